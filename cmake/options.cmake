@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# How every target of the project is compiled; link `cliquevo_options` to get it.
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/bin)
+
+find_program(CLIQUEVO_CCACHE ccache)
+if(CLIQUEVO_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CLIQUEVO_CCACHE})
+endif()
+
+set(CLIQUEVO_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined or thread")
+
+add_library(cliquevo_options INTERFACE)
+target_include_directories(cliquevo_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
+target_compile_options(cliquevo_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  # A fused multiply-add rounds once where two operations round twice: results would depend on the machine.
+  -ffp-contract=off)
+if(CLIQUEVO_SANITIZE)
+  target_compile_options(cliquevo_options INTERFACE -fsanitize=${CLIQUEVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  target_link_options(cliquevo_options INTERFACE -fsanitize=${CLIQUEVO_SANITIZE})
+endif()

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Cameras: the raw calibration of a stereo pair, and the rectified pair that stereo and odometry work on.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include <Eigen/Core>
+
+#include "core/base/result.h"
+#include "core/base/rigid_transform.h"
+
+namespace cliquevo {
+
+// A rectified stereo pair: rows are epipolar lines, both eyes share f and cy. Camera frame: Z forward, X right, Y down;
+// origin in the left eye. disparity d = u_left - u_right; Z = fx * baseline / (d + doffs).
+struct StereoModel {
+  int width = 0;   // px
+  int height = 0;  // px
+  double fx_px = 0.0;
+  double fy_px = 0.0;
+  double cx_px = 0.0;
+  double cy_px = 0.0;
+  double baseline_m = 0.0;
+  double doffs_px = 0.0;  // cx_right - cx_left
+
+  // Names what is wrong: sizes, focal lengths and baseline must be positive and finite, the field of view sane.
+  Result<void> check() const;
+  // Depth in m of a disparity in px; the disparity (+ doffs) must be > 0.
+  double depth_m(double disparity_px) const { return fx_px * baseline_m / (disparity_px + doffs_px); }
+  // Standard deviation of the depth at z for a disparity error, first order: z^2 / (f b) * sigma_d.
+  double depth_error_m(double z_m, double sigma_disparity_px) const {
+    return z_m * z_m / (fx_px * baseline_m) * sigma_disparity_px;
+  }
+  double horizontal_fov_rad() const;
+  double vertical_fov_rad() const;
+  // Point in the left camera frame from left pixel and disparity.
+  Eigen::Vector3d triangulate(double u, double v, double disparity_px) const {
+    const double z = depth_m(disparity_px);
+    return {(u - cx_px) * z / fx_px, (v - cy_px) * z / fy_px, z};
+  }
+};
+
+enum class Distortion {
+  none,
+  plumb_bob,    // k1 k2 p1 p2 [k3], as OpenCV
+  rational,     // k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV
+  equidistant,  // Kannala-Brandt fisheye: k1 k2 k3 k4, as OpenCV's fisheye and Kalibr's "equidistant"
+};
+
+// One raw camera.
+struct CameraCalibration {
+  int width = 0;
+  int height = 0;
+  double fx_px = 0.0;
+  double fy_px = 0.0;
+  double cx_px = 0.0;
+  double cy_px = 0.0;
+  Distortion distortion = Distortion::none;
+  std::array<double, 8> coefficients{};  // unused ones are 0
+};
+
+// Rectification that a calibration file prescribes (KITTI's R_rect and P_rect, ROS's R and P).
+struct PrescribedRectification {
+  Eigen::Matrix3d R_left = Eigen::Matrix3d::Identity();  // raw camera -> rectified camera
+  Eigen::Matrix3d R_right = Eigen::Matrix3d::Identity();
+  StereoModel model;
+};
+
+struct StereoCalibration {
+  CameraCalibration left;
+  CameraCalibration right;
+  RigidTransform T_right_left;                        // point in the left raw camera -> right raw camera
+  bool rectified = false;                             // images already are: use `prescribed->model`, warp nothing
+  std::optional<PrescribedRectification> prescribed;  // when set it is used; a rectification of our own otherwise
+  std::string source;                                 // the file it came from, for messages
+};
+
+}  // namespace cliquevo

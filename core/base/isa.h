@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which instruction set the SIMD kernels of every room run on.
+#pragma once
+
+namespace cliquevo {
+
+enum class Isa { reference, sse4, avx2, neon };
+
+// The best this machine has, or what the environment variable CLIQUEVO_ISA (reference, sse4, avx2, neon) forces; a
+// forced one that the machine lacks falls back to the reference. Decided once a process.
+Isa active_isa();
+// Whether the machine runs it (reference: always).
+bool isa_available(Isa isa);
+const char* isa_name(Isa isa);
+
+}  // namespace cliquevo

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What every camera, recording or simulator looks like to the rest of the program.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/base/camera_model.h"
+#include "core/base/image.h"
+#include "core/base/result.h"
+#include "core/base/time.h"
+
+namespace cliquevo::drivers {
+
+struct StereoPair {
+  std::int64_t index = 0;    // position in the source; rises strictly
+  TimestampNs stamp_ns = 0;  // exposure (the left eye's where the eyes differ)
+  Image<std::uint8_t> left;  // grey, as grabbed
+  Image<std::uint8_t> right;
+  std::optional<RigidTransform> truth_T_world_camera;  // rectified left camera in its first frame, where known exactly
+};
+
+struct SourceInfo {
+  std::string description;  // "KITTI odometry folder /data/06"
+  int width = 0;            // of the raw images
+  int height = 0;
+  std::int64_t frame_count = -1;  // -1: live, endless
+  double rate_hz = 0.0;           // nominal; 0 = unknown
+  StereoCalibration calibration;
+  Image<std::uint8_t> left_mask;  // raw size, 0 = the vehicle's own parts; empty = none
+  Image<std::uint8_t> right_mask;
+};
+
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  virtual const SourceInfo& info() const = 0;
+  // Next pair into `pair` (whose storage is reused). true: a pair; false: the source is at its end. An Error is final
+  // for this pair (torn image, unequal sizes): the caller decides whether to go on.
+  virtual Result<bool> next(StereoPair& pair) = 0;
+};
+
+}  // namespace cliquevo::drivers
