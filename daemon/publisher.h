@@ -4,19 +4,10 @@
 
 #include <memory>
 
-#include "core/vo/visual_odometry.h"
 #include "daemon/config.h"
-#include "daemon/frame_pipeline.h"
+#include "daemon/published_frame.h"
 
 namespace cliquevo::daemon {
-
-struct PublishedFrame {
-  std::int64_t index = 0;
-  vo::Estimate estimate;
-  StageTimes times;
-  std::int64_t dropped = 0;  // frames skipped so far
-  std::int32_t resets = 0;   // rises with every pose reset
-};
 
 class Publisher {
  public:

@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/messages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace cliquevo::daemon {
+
+namespace {
+
+void put(const Eigen::Vector3d& v, double (&out)[3]) {
+  for (int i = 0; i < 3; ++i) out[i] = v[i];
+}
+
+// w x y z with w >= 0: one sign for one rotation.
+void put(const Eigen::Matrix3d& R, double (&out)[4]) {
+  Eigen::Quaterniond q(R);
+  q.normalize();
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+  out[0] = sign * q.w();
+  out[1] = sign * q.x();
+  out[2] = sign * q.y();
+  out[3] = sign * q.z();
+}
+
+// Finite, and a rotation at all: the quaternion of a wreck may be NaN although the wreck is not.
+bool usable(const RigidTransform& T) {
+  if (!T.is_finite()) return false;
+  const double det = T.R.determinant();
+  return det > 0.5 && det < 2.0 && T.t.cwiseAbs().maxCoeff() < 1e12;
+}
+
+std::int32_t duration_us(std::int64_t ns) {
+  constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(ns / 1000, 0, kMax));
+}
+
+std::int64_t stamp_us(TimestampNs ns) { return ns == 0 ? 0 : floor_us(ns); }
+
+}  // namespace
+
+MessageBuilder::MessageBuilder(const RigidTransform& T_body_camera)
+    : T_body_camera_(T_body_camera), T_camera_body_(T_body_camera.inverse()) {}
+
+void MessageBuilder::build(const PublishedFrame& frame, TimestampNs publish_ns, FrameMessages& out) {
+  const vo::Estimate& e = frame.estimate;
+  const bool motion_ok = usable(e.T_prev_cur) && usable(e.T_world_camera) && e.covariance.allFinite();
+  const bool errors_ok = std::isfinite(e.reprojection_error_px) && std::isfinite(e.eigenvalue_ratio);
+  build_delta(e, motion_ok, out.delta);
+  build_pose(frame, motion_ok, out.pose);
+  build_status(frame, publish_ns, out.status);
+  out.status.repaired = motion_ok && errors_ok ? 0 : 1;
+  const bool moved_as_measured = e.status == vo::Status::valid || e.status == vo::Status::no_data;
+  out.status.pose_is_guess = moved_as_measured && motion_ok ? 0 : 1;
+}
+
+void MessageBuilder::build_delta(const vo::Estimate& e, bool finite, update_t& out) const {
+  const bool valid = e.status == vo::Status::valid && finite;
+  const RigidTransform T = valid ? e.T_prev_cur : RigidTransform{};
+  out.timestamp = floor_us(e.stamp_ns);
+  // Before the first valid frame there is nothing to measure from.
+  out.prev_timestamp = e.status == vo::Status::no_data ? out.timestamp : floor_us(e.prev_stamp_ns);
+  put(T.t, out.translation);
+  put(T.R, out.rotation);
+  const Matrix6d covariance =
+      e.covariance.allFinite() ? e.covariance : Matrix6d(Matrix6d::Identity() * kUnknownVariance);
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < 6; ++c) out.covariance[r][c] = covariance(r, c);
+  }
+  // Readers of this type know 0 to 4 only.
+  const bool degenerate = e.status == vo::Status::ambiguous || (e.status == vo::Status::valid && !finite);
+  out.estimate_status = degenerate ? update_t::ESTIMATE_DEGENERATE : static_cast<std::int8_t>(e.status);
+}
+
+void MessageBuilder::build_pose(const PublishedFrame& frame, bool finite, pose_t& out) {
+  const vo::Estimate& e = frame.estimate;
+  SentPose now{RigidTransform{}, e.stamp_ns, frame.resets};
+  if (finite) {
+    now.T_world_body = (T_body_camera_ * e.T_world_camera * T_camera_body_).normalized();
+  } else if (last_) {
+    now.T_world_body = last_->T_world_body;
+  }
+
+  // Where and when the body was before: at the last valid frame when the motion from there is known, else where the
+  // last message put it (a guess then keeps the speed that it was made with).
+  std::optional<SentPose> before;
+  if (finite && e.status == vo::Status::valid) {
+    const RigidTransform T_prev_cur_body = T_body_camera_ * e.T_prev_cur * T_camera_body_;
+    before = SentPose{now.T_world_body * T_prev_cur_body.inverse(), e.prev_stamp_ns, frame.resets};
+  } else if (finite && e.status != vo::Status::no_data && last_ && last_->resets == frame.resets) {
+    before = last_;
+  }
+
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotation_rate = Eigen::Vector3d::Zero();
+  if (before && now.stamp_ns > before->stamp_ns) {
+    const double dt_s = static_cast<double>(now.stamp_ns - before->stamp_ns) * 1e-9;
+    velocity = (now.T_world_body.t - before->T_world_body.t) / dt_s;
+    rotation_rate = so3_log(now.T_world_body.R * before->T_world_body.R.transpose()) / dt_s;
+  }
+
+  out.utime = floor_us(e.stamp_ns);
+  put(now.T_world_body.t, out.pos);
+  put(velocity, out.vel);
+  put(now.T_world_body.R, out.orientation);
+  put(rotation_rate, out.rotation_rate);
+  put(Eigen::Vector3d::Zero(), out.accel);
+  last_ = now;
+}
+
+void MessageBuilder::build_status(const PublishedFrame& frame, TimestampNs publish_ns, status_t& out) const {
+  const vo::Estimate& e = frame.estimate;
+  out.utime = floor_us(e.stamp_ns);
+  out.publish_utime = floor_us(publish_ns);
+  out.frame = frame.index;
+  out.status = static_cast<std::int8_t>(e.status);
+  out.features = e.features;
+  out.matches = e.matches;
+  out.clique = e.clique;
+  out.inliers = e.inliers;
+  out.reprojection_error_px = std::isfinite(e.reprojection_error_px) ? e.reprojection_error_px : 0.0;
+  out.eigenvalue_ratio = std::isfinite(e.eigenvalue_ratio) ? e.eigenvalue_ratio : 0.0;
+  out.rectify_us = duration_us(frame.times.rectify_ns);
+  out.stereo_us = duration_us(frame.times.stereo_ns);
+  out.odometry_us = duration_us(frame.times.odometry_ns);
+  out.features_us = duration_us(e.times.features_ns);
+  out.scores_us = duration_us(e.times.scores_ns);
+  out.matches_us = duration_us(e.times.matches_ns);
+  out.clique_us = duration_us(e.times.clique_ns);
+  out.motion_us = duration_us(e.times.motion_ns);
+  out.grabbed_utime = stamp_us(frame.stamps.grabbed_ns);
+  out.stereo_begin_utime = stamp_us(frame.stamps.stereo_begin_ns);
+  out.stereo_end_utime = stamp_us(frame.stamps.stereo_end_ns);
+  out.odometry_begin_utime = stamp_us(frame.stamps.odometry_begin_ns);
+  out.odometry_end_utime = stamp_us(frame.stamps.odometry_end_ns);
+  out.dropped = frame.dropped;
+  out.resets = frame.resets;
+}
+
+}  // namespace cliquevo::daemon

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/publisher.h"
+
+#include <chrono>
+#include <vector>
+
+#include <lcm/lcm-cpp.hpp>
+
+#include "daemon/lcm_url.h"
+#include "daemon/messages.h"
+
+namespace cliquevo::daemon {
+
+namespace {
+
+constexpr std::size_t kMaxChannelLength = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
+
+TimestampNs now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+// One message type on one channel, encoded into a buffer that is kept: lcm::LCM::publish(channel, &message) would
+// allocate one a message.
+template <typename Message>
+class Channel {
+ public:
+  explicit Channel(std::string name) : name_(std::move(name)) {}
+
+  bool send(lcm::LCM& lcm, const Message& message) {
+    const auto size = static_cast<std::size_t>(message.getEncodedSize());
+    if (buffer_.size() < size) buffer_.resize(size);
+    const int used = message.encode(buffer_.data(), 0, static_cast<int>(size));
+    return used >= 0 && lcm.publish(name_, buffer_.data(), static_cast<unsigned int>(used)) == 0;
+  }
+
+ private:
+  std::string name_;
+  std::vector<std::uint8_t> buffer_;
+};
+
+Result<void> check_channel(const std::string& key, const std::string& name) {
+  if (!name.empty() && name.size() <= kMaxChannelLength) return {};
+  return Error{"unusable LCM channel name", key + " = '" + name + "'", "use 1 to 63 characters"};
+}
+
+}  // namespace
+
+struct Publisher::Impl {
+  Impl(const LcmConfig& config, const RigidTransform& T_body_camera)
+      : lcm(config.url),
+        builder(T_body_camera),
+        delta(config.delta_channel),
+        pose(config.pose_channel),
+        status(config.status_channel) {}
+
+  lcm::LCM lcm;
+  MessageBuilder builder;
+  FrameMessages messages;
+  Channel<update_t> delta;
+  Channel<pose_t> pose;
+  Channel<status_t> status;
+};
+
+Result<Publisher> Publisher::make(const LcmConfig& config, const RigidTransform& T_body_camera) {
+  if (const auto ok = check_channel("lcm.delta_channel", config.delta_channel); !ok) return ok.error();
+  if (const auto ok = check_channel("lcm.pose_channel", config.pose_channel); !ok) return ok.error();
+  if (const auto ok = check_channel("lcm.status_channel", config.status_channel); !ok) return ok.error();
+  if (const auto ok = check_lcm_url(config.url); !ok) return ok.error();
+  auto impl = std::make_unique<Impl>(config, T_body_camera);
+  if (!impl->lcm.good()) return Error{"LCM does not start", config.url, "check the URL and the multicast route"};
+  return Publisher(std::move(impl));
+}
+
+Publisher::Publisher(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Publisher::Publisher(Publisher&&) noexcept = default;
+Publisher& Publisher::operator=(Publisher&&) noexcept = default;
+Publisher::~Publisher() = default;
+
+bool Publisher::publish(const PublishedFrame& frame) {
+  Impl& m = *impl_;
+  m.builder.build(frame, now_ns(), m.messages);
+  // The delta first: estimators wait for it. Each is tried, whatever became of the one before.
+  const bool delta_sent = m.delta.send(m.lcm, m.messages.delta);
+  const bool pose_sent = m.pose.send(m.lcm, m.messages.pose);
+  const bool status_sent = m.status.send(m.lcm, m.messages.status);
+  return delta_sent && pose_sent && status_sent;
+}
+
+}  // namespace cliquevo::daemon
