@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/trajectory_file.h"
+
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <string_view>
+
+#include <Eigen/Geometry>
+#include <fmt/format.h>
+
+namespace cliquevo::daemon {
+
+namespace {
+
+constexpr std::int64_t kNsPerSecond = 1'000'000'000;
+constexpr std::size_t kKittiNumbers = 12;
+constexpr std::size_t kTumNumbers = 8;
+
+std::string format_seconds(TimestampNs stamp_ns) {
+  const bool negative = stamp_ns < 0;
+  const std::uint64_t magnitude =
+      negative ? ~static_cast<std::uint64_t>(stamp_ns) + 1 : static_cast<std::uint64_t>(stamp_ns);
+  return fmt::format("{}{}.{:09}", negative ? "-" : "", magnitude / kNsPerSecond, magnitude % kNsPerSecond);
+}
+
+// Seconds as text -> ns without the detour over a double, which holds today's date only to 0.2 µs.
+bool parse_seconds(std::string_view text, TimestampNs& stamp_ns) {
+  double value = 0.0;
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failed != std::errc{} || end != text.data() + text.size() || !std::isfinite(value)) return false;
+  if (std::abs(value) >= 9.2e9) return false;  // does not fit into 64 bits of ns
+  const std::size_t point = text.find('.');
+  if (text.find_first_of("eE") != std::string_view::npos || point == std::string_view::npos) {
+    stamp_ns = std::llround(value * static_cast<double>(kNsPerSecond));
+    return true;
+  }
+  std::int64_t whole = 0;
+  const std::string_view before = text.substr(0, point);
+  if (!before.empty() && before != "-") std::from_chars(before.data(), before.data() + before.size(), whole);
+  std::int64_t fraction = 0;
+  std::int64_t unit = kNsPerSecond / 10;
+  for (const char c : text.substr(point + 1)) {
+    fraction += (c - '0') * unit;
+    unit /= 10;
+  }
+  const bool negative = text.front() == '-';
+  stamp_ns = whole * kNsPerSecond + (negative ? -fraction : fraction);
+  return true;
+}
+
+std::vector<std::string_view> split_words(std::string_view line) {
+  std::vector<std::string_view> words;
+  constexpr std::string_view kBlank = " \t\r,";
+  std::size_t at = line.find_first_not_of(kBlank);
+  while (at != std::string_view::npos) {
+    const std::size_t end = std::min(line.find_first_of(kBlank, at), line.size());
+    words.push_back(line.substr(at, end - at));
+    at = line.find_first_not_of(kBlank, end);
+  }
+  return words;
+}
+
+bool parse_number(std::string_view word, double& value) {
+  if (!word.empty() && word.front() == '+') word.remove_prefix(1);
+  const auto [end, failed] = std::from_chars(word.data(), word.data() + word.size(), value);
+  return failed == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
+}
+
+Error bad_line(const std::string& path, int line, std::string remedy) {
+  return {"cannot read trajectory", fmt::format("{}:{}", path, line), std::move(remedy)};
+}
+
+Result<StampedPose> parse_kitti(const std::vector<std::string_view>& words, const std::string& path, int line) {
+  std::array<double, kKittiNumbers> v{};
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    if (!parse_number(words[i], v[i])) return bad_line(path, line, fmt::format("'{}' is not a number", words[i]));
+  }
+  StampedPose pose;
+  pose.T_world_camera.R << v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10];
+  pose.T_world_camera.t << v[3], v[7], v[11];
+  const Eigen::Matrix3d& R = pose.T_world_camera.R;
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 0.01 || R.determinant() < 0.0) {
+    return bad_line(path, line, "columns 1-3, 5-7 and 9-11 must be a rotation matrix");
+  }
+  return pose;
+}
+
+Result<StampedPose> parse_tum(const std::vector<std::string_view>& words, const std::string& path, int line) {
+  StampedPose pose;
+  if (!parse_seconds(words[0], pose.stamp_ns)) {
+    return bad_line(path, line, fmt::format("'{}' is not a time in seconds", words[0]));
+  }
+  std::array<double, kTumNumbers> v{};
+  for (std::size_t i = 1; i < v.size(); ++i) {
+    if (!parse_number(words[i], v[i])) return bad_line(path, line, fmt::format("'{}' is not a number", words[i]));
+  }
+  pose.T_world_camera.t << v[1], v[2], v[3];
+  Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
+  if (std::abs(q.norm() - 1.0) > 0.01) return bad_line(path, line, "qx qy qz qw must be a unit quaternion");
+  pose.T_world_camera.R = q.normalized().toRotationMatrix();
+  return pose;
+}
+
+}  // namespace
+
+const char* trajectory_format_name(TrajectoryFormat format) {
+  return format == TrajectoryFormat::kitti ? "KITTI" : "TUM";
+}
+
+std::string format_pose(TrajectoryFormat format, TimestampNs stamp_ns, const RigidTransform& T_world_camera) {
+  const Eigen::Matrix3d& R = T_world_camera.R;
+  const Eigen::Vector3d& t = T_world_camera.t;
+  std::string out;
+  // Adding 0 turns -0 into 0.
+  const auto number = [&out](double value) {
+    fmt::format_to(std::back_inserter(out), "{}{:.12e}", out.empty() ? "" : " ", value + 0.0);
+  };
+  if (format == TrajectoryFormat::kitti) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) number(R(row, column));
+      number(t(row));
+    }
+    return out;
+  }
+  Eigen::Quaterniond q(R);
+  q.normalize();
+  if (q.w() < 0.0) q.coeffs() = -q.coeffs();
+  out = format_seconds(stamp_ns);
+  for (const double value : {t.x(), t.y(), t.z(), q.x(), q.y(), q.z(), q.w()}) number(value);
+  return out;
+}
+
+void TrajectoryWriter::Close::operator()(std::FILE* file) const { std::fclose(file); }
+
+Result<TrajectoryWriter> TrajectoryWriter::open(const std::string& path, TrajectoryFormat format) {
+  TrajectoryWriter writer;
+  writer.path_ = path;
+  writer.format_ = format;
+  writer.file_.reset(std::fopen(path.c_str(), "w"));
+  if (!writer.file_) {
+    return Error{"cannot write trajectory", path,
+                 fmt::format("{}; name a file that can be created", std::strerror(errno))};
+  }
+  return writer;
+}
+
+Result<void> TrajectoryWriter::append(TimestampNs stamp_ns, const RigidTransform& T_world_camera) {
+  const std::string line = format_pose(format_, stamp_ns, T_world_camera) + "\n";
+  if (std::fwrite(line.data(), 1, line.size(), file_.get()) != line.size() || std::fflush(file_.get()) != 0) {
+    return Error{"cannot write trajectory", path_, fmt::format("{}; make room on the disk", std::strerror(errno))};
+  }
+  return {};
+}
+
+Result<Trajectory> read_trajectory(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) {
+    return Error{"cannot read trajectory", path,
+                 fmt::format("{}; name a KITTI or TUM trajectory file", std::strerror(errno))};
+  }
+  Trajectory out;
+  std::string text;
+  std::size_t numbers_a_line = 0;
+  for (int line = 1; std::getline(in, text); ++line) {
+    const std::vector<std::string_view> words = split_words(text);
+    if (words.empty() || words.front().front() == '#') continue;
+    if (words.size() != kKittiNumbers && words.size() != kTumNumbers) {
+      return bad_line(path, line, fmt::format("{} words where a pose has 12 numbers (KITTI) or 8 (TUM)", words.size()));
+    }
+    if (numbers_a_line == 0) {
+      numbers_a_line = words.size();
+      out.format = numbers_a_line == kKittiNumbers ? TrajectoryFormat::kitti : TrajectoryFormat::tum;
+    }
+    if (words.size() != numbers_a_line) {
+      return bad_line(path, line, fmt::format("{} numbers after lines of {}", words.size(), numbers_a_line));
+    }
+    Result<StampedPose> pose =
+        out.format == TrajectoryFormat::kitti ? parse_kitti(words, path, line) : parse_tum(words, path, line);
+    if (!pose) return pose.error();
+    if (out.format == TrajectoryFormat::tum && !out.poses.empty() && pose->stamp_ns < out.poses.back().stamp_ns) {
+      return bad_line(path, line, "times must not fall: sort the file by time");
+    }
+    out.poses.push_back(*pose);
+  }
+  if (in.bad()) return Error{"cannot read trajectory", path, "is it a file?"};
+  if (out.poses.empty()) return Error{"cannot read trajectory", path, "the file holds no pose"};
+  return out;
+}
+
+}  // namespace cliquevo::daemon

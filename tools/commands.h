@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The sub-commands of `cliquevo`, a file each. Each adds itself to the command line; when it is the one asked for, it
+// runs while the line is parsed and leaves its exit code.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace cliquevo::tools {
+
+void add_replay_command(CLI::App& app, int& exit_code);
+void add_eval_command(CLI::App& app, int& exit_code);
+void add_disparity_command(CLI::App& app, int& exit_code);
+
+}  // namespace cliquevo::tools

@@ -1,0 +1,187 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo eval: how good is a trajectory?
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "tools/commands.h"
+#include "tools/evaluation.h"
+#include "tools/exit_code.h"
+#include "tools/plot.h"
+
+namespace cliquevo::tools {
+
+namespace {
+
+struct EvalArguments {
+  std::string reference;
+  std::string estimate;
+  EvaluationOptions options;
+  double tolerance_s = 0.01;
+  bool body_frame = false;
+  bool json = false;
+  std::string plot;
+};
+
+nlohmann::json optional_number(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json(nullptr);
+}
+
+nlohmann::json to_json(const Evaluation& e) {
+  nlohmann::json out = {
+      {"frames_ref", e.frames_reference},
+      {"frames_est", e.frames_estimate},
+      {"frames_compared", e.frames_compared},
+      {"path_m", e.path_m},
+      {"path_est_m", e.path_estimate_m},
+      {"segments", e.segments},
+      {"t_err_pct", optional_number(e.t_err_pct)},
+      {"r_err_deg_m", optional_number(e.r_err_deg_m)},
+      {"ate_m", e.ate_m},
+      {"ate_max_m", e.ate_max_m},
+      {"rpe_cm", 100.0 * e.rpe_m},
+      {"rpe_deg", e.rpe_deg},
+      {"end_m", e.end_m},
+      {"end_deg", e.end_deg},
+      {"end_pct", optional_number(e.end_pct)},
+      {"by_length", nlohmann::json::array()},
+  };
+  for (const LengthError& entry : e.by_length) {
+    const bool any = entry.segments > 0;
+    out["by_length"].push_back({{"length_m", entry.length_m},
+                                {"segments", entry.segments},
+                                {"t_err_pct", any ? nlohmann::json(entry.t_err_pct) : nlohmann::json(nullptr)},
+                                {"r_err_deg_m", any ? nlohmann::json(entry.r_err_deg_m) : nlohmann::json(nullptr)}});
+  }
+  if (e.sampled_path_m) {
+    out["sampled_path_m"] = *e.sampled_path_m;
+    out["sampled_path_est_m"] = *e.sampled_path_estimate_m;
+  }
+  return out;
+}
+
+double percent_of(double value, double reference) { return reference > 0.0 ? 100.0 * value / reference : 0.0; }
+
+void print_table(const Evaluation& e) {
+  fmt::print("frames       {} compared (reference {}, estimate {})\n", e.frames_compared, e.frames_reference,
+             e.frames_estimate);
+  fmt::print("path         {:.3f} m, reference {:.3f} m ({:+.2f} %)\n", e.path_estimate_m, e.path_m,
+             percent_of(e.path_estimate_m - e.path_m, e.path_m));
+  if (e.sampled_path_m) {
+    fmt::print("  sampled    {:.3f} m, reference {:.3f} m ({:+.2f} %)\n", *e.sampled_path_estimate_m, *e.sampled_path_m,
+               percent_of(*e.sampled_path_estimate_m - *e.sampled_path_m, *e.sampled_path_m));
+  }
+  if (e.t_err_pct) {
+    fmt::print("segments     {:.4f} %   {:.6f} deg/m   ({} segments)\n", *e.t_err_pct, *e.r_err_deg_m, e.segments);
+    for (const LengthError& entry : e.by_length) {
+      if (entry.segments == 0) {
+        fmt::print("  {:7g} m  the path is too short\n", entry.length_m);
+      } else {
+        fmt::print("  {:7g} m  {:.4f} %   {:.6f} deg/m   ({})\n", entry.length_m, entry.t_err_pct, entry.r_err_deg_m,
+                   entry.segments);
+      }
+    }
+  } else {
+    fmt::print("segments     none: the path is shorter than every length\n");
+  }
+  fmt::print("ATE          {:.4f} m RMS, {:.4f} m at most (after rigid alignment)\n", e.ate_m, e.ate_max_m);
+  fmt::print("RPE          {:.4f} cm   {:.5f} deg (RMS, frame to frame)\n", 100.0 * e.rpe_m, e.rpe_deg);
+  fmt::print("end          {:.4f} m   {:.4f} deg", e.end_m, e.end_deg);
+  if (e.end_pct) fmt::print("   {:.4f} % of the way", *e.end_pct);
+  fmt::print("\n");
+}
+
+// Camera motions against body motions (or the other way round) leave positions comparable and little else.
+void warn_of_other_axes(const EvalArguments& arguments, const daemon::Trajectory& reference,
+                        const daemon::Trajectory& estimate, EvaluationOptions options, const Evaluation& result) {
+  options.reference_frame = arguments.body_frame ? ReferenceFrame::camera : ReferenceFrame::body;
+  const auto turned = associate(reference, estimate, options);
+  if (!turned || result.rpe_m < 3.0 * evaluate(*turned, options).rpe_m + 1e-9) return;
+  warn(
+      {"the reference seems to be in other axes than said", arguments.reference,
+       fmt::format("only the ATE can be trusted; try --reference-frame {}", arguments.body_frame ? "camera" : "body")});
+}
+
+Result<void> draw(const EvalArguments& arguments, const daemon::Trajectory& estimate,
+                  const std::vector<PosePair>& pairs) {
+  RunPicture picture;
+  picture.title = std::filesystem::path(arguments.estimate).filename().string();
+  for (const daemon::StampedPose& pose : estimate.poses) picture.trajectory.push_back(pose.T_world_camera);
+  picture.pairs = pairs;
+  picture.align = estimate.format == daemon::TrajectoryFormat::tum;
+  return write_plot(arguments.plot, picture);
+}
+
+int run_eval(const EvalArguments& arguments) {
+  const auto reference = daemon::read_trajectory(arguments.reference);
+  if (!reference) return report(reference.error());
+  const auto estimate = daemon::read_trajectory(arguments.estimate);
+  if (!estimate) return report(estimate.error());
+  EvaluationOptions options = arguments.options;
+  options.max_stamp_difference_ns = static_cast<std::int64_t>(arguments.tolerance_s * 1e9);
+  options.reference_frame = arguments.body_frame ? ReferenceFrame::body : ReferenceFrame::camera;
+  const auto pairs = associate(*reference, *estimate, options);
+  if (!pairs) return report(pairs.error());
+
+  Evaluation result = evaluate(*pairs, options);
+  result.frames_reference = reference->poses.size();
+  result.frames_estimate = estimate->poses.size();
+  if (arguments.json) {
+    fmt::print("{}\n", to_json(result).dump(2));
+  } else {
+    print_table(result);
+  }
+  warn_of_other_axes(arguments, *reference, *estimate, options, result);
+  if (!arguments.plot.empty()) {
+    if (auto drawn = draw(arguments, *estimate, *pairs); !drawn) return report(drawn.error());
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_eval_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<EvalArguments>();
+  CLI::App* eval =
+      app.add_subcommand("eval", "Compare a trajectory with its reference: segment errors, ATE, RPE, drift");
+  eval->add_option("--reference", arguments->reference, "Trajectory held to be true (KITTI or TUM format)")
+      ->required()
+      ->type_name("FILE");
+  eval->add_option("--estimate", arguments->estimate, "Trajectory to judge (same format)")
+      ->required()
+      ->type_name("FILE");
+  eval->add_option("--lengths", arguments->options.lengths_m, "Lengths of the segments, m, with commas between")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("L,L,...");
+  eval->add_option("--tolerance", arguments->tolerance_s, "Poses this close in time belong together, s (TUM)")
+      ->check(CLI::Range(0.0, 1e6))
+      ->capture_default_str()
+      ->type_name("S");
+  eval->add_option(
+          "--sample-period", arguments->options.sample_period_s,
+          "Also compare the lengths of both paths over poses this far apart, s (TUM): jitter adds up otherwise")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
+  eval->add_option_function<std::string>(
+          "--reference-frame", [arguments](const std::string& frame) { arguments->body_frame = frame == "body"; },
+          "Axes of the reference's poses: camera (Z forward, Y down) or body (X forward, Z up); default camera")
+      ->check(CLI::IsMember({"camera", "body"}))
+      ->type_name("FRAME");
+  eval->add_flag("--json", arguments->json, "Print JSON instead of the table");
+  eval->add_option("--plot", arguments->plot, "Draw both trajectories and the error over distance into a PNG")
+      ->type_name("FILE.png");
+  eval->footer(
+      "KITTI files are compared line by line, TUM files by nearest stamp. Segment errors are means over segments of\n"
+      "each length from every start frame; the ATE is taken after a rigid alignment without scale.\n"
+      "Examples:\n"
+      "  cliquevo eval --reference poses.txt --estimate trajectory.txt --lengths 5,10,20,40\n"
+      "  cliquevo eval --reference groundtruth.tum --estimate trajectory.tum --json");
+  eval->callback([arguments, &exit_code] { exit_code = run_eval(*arguments); });
+}
+
+}  // namespace cliquevo::tools

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo: one command for recordings, trajectories and pictures.
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "tools/commands.h"
+#include "tools/exit_code.h"
+#ifdef CLIQUEVO_HAVE_SIMULATE
+#include "tools/simulate.h"
+#endif
+
+namespace {
+
+using namespace cliquevo::tools;
+
+// The sub-command the line names, for "see ... --help".
+std::string command_name(const CLI::App& app) {
+  const auto chosen = app.get_subcommands();
+  return chosen.empty() ? app.get_name() : app.get_name() + " " + chosen.front()->get_name();
+}
+
+int run(int argc, char** argv) {
+  int exit_code = kDone;
+  CLI::App app("Stereo visual odometry: replay recordings, judge trajectories, render test courses.", "cliquevo");
+  app.require_subcommand(1);
+  app.set_version_flag("--version", CLIQUEVO_VERSION);
+  app.get_formatter()->column_width(34);
+  app.footer(
+      "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 asked-for strictness not met.\n"
+      "`cliquevo COMMAND --help` tells each command's options, with examples.");
+#ifdef CLIQUEVO_HAVE_PIPELINE
+  add_replay_command(app, exit_code);
+  add_disparity_command(app, exit_code);
+#endif
+  add_eval_command(app, exit_code);
+#ifdef CLIQUEVO_HAVE_SIMULATE
+  add_simulate_command(app, exit_code);
+#endif
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& wanted) {  // --help, --version
+    return app.exit(wanted);
+  } catch (const CLI::ParseError& error) {
+    return report(
+        {"wrong usage", command_name(app), std::string(error.what()) + " (see " + command_name(app) + " --help)"},
+        kWrongUsage);
+  }
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const std::exception& error) {  // out of memory, a library at its end
+    return report({"cannot go on", "cliquevo", error.what()});
+  }
+}

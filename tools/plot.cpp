@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/plot.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tools/chart.h"
+
+namespace cliquevo::tools {
+
+namespace {
+
+constexpr int kWidth = 1600;
+constexpr int kHeight = 760;
+constexpr int kHeader = 46;
+
+const cv::Scalar kBlue(190, 100, 25);
+const cv::Scalar kGrey(110, 110, 110);
+const cv::Scalar kRed(40, 40, 215);
+const cv::Scalar kGreen(70, 150, 40);
+const cv::Scalar kDark(50, 50, 50);
+
+// The map: X to the right, Z up.
+cv::Point2d from_above(const Eigen::Vector3d& p) { return {p.x(), p.z()}; }
+
+struct Comparison {
+  std::vector<Eigen::Vector3d> reference;  // in the trajectory's world
+  std::vector<double> distance_m;
+  std::vector<double> error_m;
+};
+
+Comparison compare(const RunPicture& run) {
+  Comparison out;
+  if (run.pairs.empty()) return out;
+  RigidTransform T_world_reference = run.pairs.front().estimate * run.pairs.front().reference.inverse();
+  if (run.align) {
+    std::vector<Eigen::Vector3d> from;
+    std::vector<Eigen::Vector3d> to;
+    for (const PosePair& pair : run.pairs) {
+      from.push_back(pair.reference.t);
+      to.push_back(pair.estimate.t);
+    }
+    T_world_reference = align_rigid(from, to);
+  }
+  out.distance_m = distances_m(run.pairs);
+  for (const PosePair& pair : run.pairs) {
+    out.reference.push_back(T_world_reference * pair.reference.t);
+    out.error_m.push_back((out.reference.back() - pair.estimate.t).norm());
+  }
+  return out;
+}
+
+std::vector<double> own_distances(const std::vector<RigidTransform>& poses) {
+  std::vector<double> out(poses.size(), 0.0);
+  for (std::size_t i = 1; i < poses.size(); ++i) out[i] = out[i - 1] + (poses[i].t - poses[i - 1].t).norm();
+  return out;
+}
+
+std::string summary(const RunPicture& run, const Comparison& comparison) {
+  std::string out = fmt::format("{} frames, {:.1f} m", run.trajectory.size(), own_distances(run.trajectory).back());
+  if (!comparison.error_m.empty()) {
+    const double error_m = comparison.error_m.back();
+    const double way_m = comparison.distance_m.back();
+    out += fmt::format(", {:.3f} m off at the end", error_m);
+    if (way_m > 0.0) out += fmt::format(" ({:.2f} %)", 100.0 * error_m / way_m);
+  }
+  return out;
+}
+
+Chart map_chart(const RunPicture& run, const Comparison& comparison) {
+  Chart chart;
+  chart.title = "Trajectory from above";
+  chart.x_label = "X, right [m]";
+  chart.y_label = "Z, forward [m]";
+  chart.equal_aspect = true;
+  if (!comparison.reference.empty()) {
+    Series reference{"reference", {}, kGrey, 3.0, Mark::none, 0.0, true};
+    for (const Eigen::Vector3d& p : comparison.reference) reference.points.push_back(from_above(p));
+    chart.series.push_back(std::move(reference));
+  }
+  Series estimate{"estimate", {}, kBlue, 2.5, Mark::none, 0.0, false};
+  for (const RigidTransform& pose : run.trajectory) estimate.points.push_back(from_above(pose.t));
+  const cv::Point2d start = estimate.points.front();
+  const cv::Point2d end = estimate.points.back();
+  chart.series.push_back(std::move(estimate));
+  if (!run.failed.empty()) {
+    Series failed{fmt::format("failed frames ({})", run.failed.size()), {}, kRed, 0.0, Mark::cross, 4.5, false};
+    for (const std::size_t i : run.failed) failed.points.push_back(from_above(run.trajectory[i].t));
+    chart.series.push_back(std::move(failed));
+  }
+  chart.series.push_back({"start", {start}, kGreen, 0.0, Mark::ring, 6.5, false});
+  chart.series.push_back({"end", {end}, kDark, 0.0, Mark::square, 5.5, false});
+  return chart;
+}
+
+Chart error_chart(const Comparison& comparison, bool aligned) {
+  Chart chart;
+  chart.title = aligned ? "Position error after alignment" : "Position error";
+  chart.x_label = "distance travelled [m]";
+  chart.y_label = "error [m]";
+  chart.y_from_zero = true;
+  Series error{"", {}, kBlue, 2.0, Mark::none, 0.0, false};
+  for (std::size_t i = 0; i < comparison.error_m.size(); ++i) {
+    error.points.emplace_back(comparison.distance_m[i], comparison.error_m[i]);
+  }
+  chart.series.push_back(std::move(error));
+  return chart;
+}
+
+Chart inlier_chart(const RunPicture& run) {
+  const std::vector<double> distance_m = own_distances(run.trajectory);
+  Chart chart;
+  chart.title = "Features that carry the motion";
+  chart.x_label = "distance travelled [m]";
+  chart.y_label = "inliers";
+  chart.y_from_zero = true;
+  Series inliers{"", {}, kGreen, 1.5, Mark::none, 0.0, false};
+  for (std::size_t i = 1; i < run.inliers.size(); ++i) inliers.points.emplace_back(distance_m[i], run.inliers[i]);
+  chart.series.push_back(std::move(inliers));
+  if (!run.failed.empty()) {
+    Series failed{"failed frames", {}, kRed, 0.0, Mark::cross, 4.5, false};
+    for (const std::size_t i : run.failed) failed.points.emplace_back(distance_m[i], run.inliers[i]);
+    chart.series.push_back(std::move(failed));
+  }
+  return chart;
+}
+
+Chart height_chart(const RunPicture& run, const Comparison& comparison) {
+  const std::vector<double> distance_m = own_distances(run.trajectory);
+  Chart chart;
+  chart.title = "Height";
+  chart.x_label = "distance travelled [m]";
+  chart.y_label = "-Y, up [m]";
+  if (!comparison.reference.empty()) {
+    Series reference{"reference", {}, kGrey, 2.5, Mark::none, 0.0, true};
+    for (std::size_t i = 0; i < comparison.reference.size(); ++i) {
+      reference.points.emplace_back(comparison.distance_m[i], -comparison.reference[i].y());
+    }
+    chart.series.push_back(std::move(reference));
+  }
+  Series height{comparison.reference.empty() ? "" : "estimate", {}, kBlue, 2.0, Mark::none, 0.0, false};
+  for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
+    height.points.emplace_back(distance_m[i], -run.trajectory[i].t.y());
+  }
+  chart.series.push_back(std::move(height));
+  return chart;
+}
+
+Result<void> write_png(const std::string& path, const cv::Mat& picture) {
+  std::vector<unsigned char> bytes;
+  cv::imencode(".png", picture, bytes);
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "wb"));
+  if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() || std::fflush(file.get()) != 0) {
+    return Error{"cannot write plot", path, fmt::format("{}; name a file that can be created", std::strerror(errno))};
+  }
+  return {};
+}
+
+}  // namespace
+
+Result<void> write_plot(const std::string& path, const RunPicture& run) {
+  if (run.trajectory.empty()) return Error{"cannot draw plot", path, "no frame was processed"};
+  const Comparison comparison = compare(run);
+  const bool referenced = !run.pairs.empty();
+  const bool inliers = run.inliers.size() == run.trajectory.size();
+
+  Figure figure(kWidth, kHeight);
+  figure.text(run.title + ": " + summary(run, comparison), {24, kHeader / 2.0 + 4}, 19, kDark);
+  constexpr double kMap = 820;
+  figure.draw(map_chart(run, comparison), {8, kHeader, kMap, kHeight - kHeader});
+  std::vector<Chart> beside;
+  if (referenced) beside.push_back(error_chart(comparison, run.align));
+  if (!referenced || !inliers) beside.push_back(height_chart(run, comparison));
+  if (inliers) beside.push_back(inlier_chart(run));
+  const double height = (kHeight - kHeader) / static_cast<double>(beside.size());
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    figure.draw(beside[i], {kMap + 16, kHeader + height * static_cast<double>(i), kWidth - kMap - 24, height});
+  }
+  return write_png(path, figure.render());
+}
+
+}  // namespace cliquevo::tools

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The picture of a run: the trajectory from above, and beside it the error over distance.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "core/base/rigid_transform.h"
+#include "tools/evaluation.h"
+
+namespace cliquevo::tools {
+
+struct RunPicture {
+  std::string title;                       // printable ASCII
+  std::vector<RigidTransform> trajectory;  // rectified left camera in its first frame, a pose a frame
+  std::vector<std::size_t> failed;         // indices of frames without a valid estimate
+  std::vector<int> inliers;                // a frame, may be empty
+  std::vector<PosePair> pairs;             // with the reference; empty = none
+  bool align = false;                      // fit the reference rigidly instead of putting first poses onto each other
+};
+
+// Writes a PNG of 1600 x 760 px.
+Result<void> write_plot(const std::string& path, const RunPicture& run);
+
+}  // namespace cliquevo::tools
