@@ -21,8 +21,14 @@ struct RecordingOptions {
   std::optional<double> pair_tolerance_s;  // between the stamps of the two eyes; default a quarter period
   std::string left_mask;                   // image files, 0 = the vehicle's own parts; empty: mask_left.png in the
   std::string right_mask;                  // recording when there is one
+  bool pingpong = false;   // never ends: forward, then backward, ...; the stamps go on by the same steps
+  bool read_ahead = true;  // a thread decodes the next pairs meanwhile; same pairs, same errors, same order
 };
 
+// The size of the images is that of the first pair played; one of another size later is an error of next(). A pair's
+// index is its position in the whole recording (so `first`, `first + every`, ...), and goes on rising in ping-pong. On
+// an error of next() the pair's index and stamp_ns are those of the bad pair, its images are not to be used, and the
+// following next() goes on behind it.
 Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& options);
 
 }  // namespace cliquevo::drivers

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// EuRoC folders: mav0/cam0 and mav0/cam1 with data.csv, sensor.yaml and data/; the mav0 folder itself will do.
+#include <filesystem>
+
+#include "drivers/recording/layout.h"
+#include "drivers/recording/stamps.h"
+
+namespace cliquevo::drivers {
+
+namespace fs = std::filesystem;
+
+Result<std::optional<Layout>> find_euroc(const std::string& path) {
+  std::error_code ec;
+  fs::path root(path);
+  if (fs::is_directory(root / "mav0", ec)) root /= "mav0";
+  const auto is_camera = [&](const char* name) {
+    const fs::path camera = root / name;
+    return fs::is_directory(camera / "data", ec) || fs::exists(camera / "data.csv", ec) ||
+           fs::exists(camera / "sensor.yaml", ec);
+  };
+  if (!is_camera("cam0") && !is_camera("cam1")) return std::optional<Layout>{};
+  Layout layout;
+  layout.description = "EuRoC folder " + path;
+  layout.root = path;
+  if (const auto ok = list_eyes(layout, (root / "cam0/data").string(), (root / "cam1/data").string()); !ok) {
+    return ok.error();
+  }
+  for (Eye* eye : {&layout.left, &layout.right}) {
+    const fs::path camera = fs::path(eye->folder).parent_path();
+    if (fs::exists(camera / "data.csv", ec)) {
+      if (const auto ok = stamps_from_file((camera / "data.csv").string(), *eye); !ok) return ok.error();
+    } else {
+      stamps_from_names(*eye);
+    }
+  }
+  if (fs::exists(root / "cam0/sensor.yaml", ec) || fs::exists(root / "cam1/sensor.yaml", ec)) {
+    layout.calibration = (root / "cam0/sensor.yaml").string();
+  } else {
+    layout.calibration = find_calibration(path);
+    if (layout.calibration.empty()) layout.calibration = find_calibration(root.string());
+  }
+  return std::optional<Layout>(std::move(layout));
+}
+
+}  // namespace cliquevo::drivers

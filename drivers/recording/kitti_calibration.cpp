@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/recording/kitti_calibration.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "drivers/recording/text_file.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+// `count` numbers behind "key:".
+Result<std::vector<double>> numbers_of(const std::vector<TextLine>& lines, const std::string& key, std::size_t count,
+                                       const std::string& path) {
+  for (const TextLine& line : lines) {
+    const std::size_t colon = line.text.find(':');
+    if (colon == std::string_view::npos || trim(line.text.substr(0, colon)) != key) continue;
+    const std::string where = fmt::format("{}:{}", path, line.number);
+    Result<std::vector<double>> values = parse_numbers(line.text.substr(colon + 1), "calibration", where);
+    if (values && values->size() != count) {
+      return Error{fmt::format("{} has {} numbers instead of {}", key, values->size(), count), where,
+                   "copy the calibration again: it is torn"};
+    }
+    return values;
+  }
+  return Error{fmt::format("calibration lacks {}", key), path, "copy it again or name the right file"};
+}
+
+struct Projection {
+  double fx_px = 0.0;
+  double fy_px = 0.0;
+  double cx_px = 0.0;
+  double cy_px = 0.0;
+  double shift_m = 0.0;  // x of the projection's origin in this camera
+};
+
+Result<Projection> projection_of(const std::vector<TextLine>& lines, const std::string& key, const std::string& path) {
+  const Result<std::vector<double>> read = numbers_of(lines, key, 12, path);
+  if (!read) return read.error();
+  const std::vector<double>& p = *read;
+  const std::string where = path + " (" + key + ")";
+  if (p[0] <= 0.0 || p[5] <= 0.0) return calibration_error("projection is singular (focal length <= 0)", where);
+  if (std::abs(p[1]) > 1e-6 * p[0] || p[4] != 0.0 || p[8] != 0.0 || p[9] != 0.0 || std::abs(p[10] - 1.0) > 1e-9) {
+    return calibration_error("projection is not that of a rectified camera", where);
+  }
+  return Projection{p[0], p[5], p[2], p[6], p[3] / p[0]};
+}
+
+CameraCalibration pinhole(const Projection& p) {
+  CameraCalibration camera;
+  camera.fx_px = p.fx_px;
+  camera.fy_px = p.fy_px;
+  camera.cx_px = p.cx_px;
+  camera.cy_px = p.cy_px;
+  return camera;
+}
+
+// Both eyes by their projections; finish_calibration() finds that nothing needs warping where f and cy agree.
+StereoCalibration pair_of(const Projection& left, const Projection& right) {
+  StereoCalibration c;
+  c.left = pinhole(left);
+  c.right = pinhole(right);
+  c.T_right_left.t = {right.shift_m - left.shift_m, 0.0, 0.0};
+  return c;
+}
+
+Result<CameraCalibration> raw_camera(const std::vector<TextLine>& lines, const std::string& suffix,
+                                     const std::string& path) {
+  const Result<std::vector<double>> S = numbers_of(lines, "S_" + suffix, 2, path);
+  if (!S) return S.error();
+  const Result<std::vector<double>> K = numbers_of(lines, "K_" + suffix, 9, path);
+  if (!K) return K.error();
+  const Result<std::vector<double>> D = numbers_of(lines, "D_" + suffix, 5, path);
+  if (!D) return D.error();
+  CameraCalibration camera;
+  for (const double side : *S) {
+    if (side < 1.0 || side > 1e6) return calibration_error("image size is absurd", path + " (S_" + suffix + ")");
+  }
+  camera.width = static_cast<int>(S.value()[0]);
+  camera.height = static_cast<int>(S.value()[1]);
+  camera.fx_px = K.value()[0];
+  camera.fy_px = K.value()[4];
+  camera.cx_px = K.value()[2];
+  camera.cy_px = K.value()[5];
+  camera.distortion = Distortion::plumb_bob;
+  std::copy(D->begin(), D->end(), camera.coefficients.begin());
+  return camera;
+}
+
+// Pose of a camera against camera 0: p_cam = R p_0 + T.
+Result<RigidTransform> raw_pose(const std::vector<TextLine>& lines, const std::string& suffix,
+                                const std::string& path) {
+  const Result<std::vector<double>> R = numbers_of(lines, "R_" + suffix, 9, path);
+  if (!R) return R.error();
+  const Result<std::vector<double>> T = numbers_of(lines, "T_" + suffix, 3, path);
+  if (!T) return T.error();
+  return RigidTransform{matrix3_from(*R), {T.value()[0], T.value()[1], T.value()[2]}};
+}
+
+Result<StereoCalibration> raw_rectified_part(const std::vector<TextLine>& lines, const std::string& l,
+                                             const std::string& r, const std::string& path) {
+  const Result<Projection> P_left = projection_of(lines, "P_rect_" + l, path);
+  if (!P_left) return P_left.error();
+  const Result<Projection> P_right = projection_of(lines, "P_rect_" + r, path);
+  if (!P_right) return P_right.error();
+  StereoCalibration c = pair_of(*P_left, *P_right);
+  const Result<std::vector<double>> S = numbers_of(lines, "S_rect_" + l, 2, path);
+  if (!S) return S.error();
+  for (const double side : *S) {
+    if (side < 1.0 || side > 1e6) return calibration_error("image size is absurd", path + " (S_rect_" + l + ")");
+  }
+  c.left.width = c.right.width = static_cast<int>(S.value()[0]);
+  c.left.height = c.right.height = static_cast<int>(S.value()[1]);
+  return c;
+}
+
+}  // namespace
+
+Result<StereoCalibration> parse_kitti_odometry(std::string_view text, const CalibrationRequest& request) {
+  const std::vector<TextLine> lines = split_lines(text);
+  const Result<Projection> left = projection_of(lines, fmt::format("P{}", request.left_camera), request.path);
+  if (!left) return left.error();
+  const Result<Projection> right = projection_of(lines, fmt::format("P{}", request.right_camera), request.path);
+  if (!right) return right.error();
+  return finish_calibration(pair_of(*left, *right), request);
+}
+
+Result<StereoCalibration> parse_kitti_raw(std::string_view text, const CalibrationRequest& request) {
+  const std::vector<TextLine> lines = split_lines(text);
+  const std::string& path = request.path;
+  const std::string l = fmt::format("{:02}", request.left_camera);
+  const std::string r = fmt::format("{:02}", request.right_camera);
+
+  Result<StereoCalibration> rectified = raw_rectified_part(lines, l, r, path);
+  if (!rectified) return rectified.error();
+  const Result<CameraCalibration> left = raw_camera(lines, l, path);
+  if (!left) return left.error();
+  const Result<CameraCalibration> right = raw_camera(lines, r, path);
+  if (!right) return right.error();
+  const bool as_grabbed = request.width == 0 || (left->width == request.width && left->height == request.height);
+  if (!as_grabbed) {
+    if (rectified->left.width == request.width && rectified->left.height == request.height) {
+      return finish_calibration(*rectified, request);
+    }
+    return size_error(path, left->width, left->height, request.width, request.height);
+  }
+
+  StereoCalibration c;
+  c.left = *left;
+  c.right = *right;
+  const Result<RigidTransform> T_left_0 = raw_pose(lines, l, path);
+  if (!T_left_0) return T_left_0.error();
+  const Result<RigidTransform> T_right_0 = raw_pose(lines, r, path);
+  if (!T_right_0) return T_right_0.error();
+  c.T_right_left = *T_right_0 * T_left_0->inverse();
+
+  // The frame of R_rect and P_rect is the reference's: a rectification of our own would be turned against it.
+  PrescribedRectification p;
+  const Result<std::vector<double>> R_left = numbers_of(lines, "R_rect_" + l, 9, path);
+  if (!R_left) return R_left.error();
+  const Result<std::vector<double>> R_right = numbers_of(lines, "R_rect_" + r, 9, path);
+  if (!R_right) return R_right.error();
+  p.R_left = matrix3_from(*R_left);
+  p.R_right = matrix3_from(*R_right);
+  p.model.width = rectified->left.width;
+  p.model.height = rectified->left.height;
+  p.model.fx_px = rectified->left.fx_px;
+  p.model.fy_px = rectified->left.fy_px;
+  p.model.cx_px = rectified->left.cx_px;
+  p.model.cy_px = rectified->left.cy_px;
+  p.model.baseline_m = -rectified->T_right_left.t.x();
+  p.model.doffs_px = rectified->right.cx_px - rectified->left.cx_px;
+  const CameraCalibration& rr = rectified->right;
+  if (std::abs(rr.fx_px - p.model.fx_px) > 1e-6 || std::abs(rr.fy_px - p.model.fy_px) > 1e-6 ||
+      std::abs(rr.cy_px - p.model.cy_px) > 1e-6) {
+    return calibration_error("P_rect of the eyes have unequal focal lengths or rows", path);
+  }
+  c.prescribed = p;
+  return finish_calibration(c, request);
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// KITTI odometry sequences (image_0, image_1, calib.txt, times.txt) and KITTI raw drives (image_00/data, ...); in
+// colour image_2, image_3 and image_02, image_03.
+#include <filesystem>
+#include <fstream>
+
+#include "drivers/recording/layout.h"
+#include "drivers/recording/stamps.h"
+
+namespace cliquevo::drivers {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_folder(const fs::path& path) {
+  std::error_code ec;
+  return fs::is_directory(path, ec);
+}
+
+// "P0:" and the like at the start of a line, in the first lines.
+bool looks_like_kitti_calibration(const fs::path& file) {
+  std::error_code ec;
+  if (!fs::is_regular_file(file, ec)) return false;
+  std::ifstream in(file);
+  std::string line;
+  for (int i = 0; i < 8 && std::getline(in, line); ++i) {
+    if (line.size() > 3 && line[0] == 'P' && line[1] >= '0' && line[1] <= '3' && line[2] == ':') return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+Result<std::optional<Layout>> find_kitti_raw(const std::string& path) {
+  const fs::path root(path);
+  for (const int first : {0, 2}) {
+    const fs::path left = root / ("image_0" + std::to_string(first));
+    const fs::path right = root / ("image_0" + std::to_string(first + 1));
+    if (!is_folder(left / "data") && !is_folder(right / "data")) continue;
+    Layout layout;
+    layout.description = "KITTI raw drive " + path;
+    layout.root = path;
+    layout.left_camera = first;
+    layout.right_camera = first + 1;
+    if (const auto ok = list_eyes(layout, (left / "data").string(), (right / "data").string()); !ok) return ok.error();
+    if (const std::string times = find_times(left.string()); !times.empty()) {
+      if (const auto ok = stamps_from_file(times, layout.left); !ok) return ok.error();
+    }
+    // The drive's own folder, or the day's above it.
+    layout.calibration = find_calibration(path);
+    std::error_code ec;
+    if (layout.calibration.empty()) {
+      layout.calibration = find_calibration(fs::absolute(root, ec).lexically_normal().parent_path().string());
+    }
+    if (layout.calibration.empty() || !fs::exists(layout.calibration, ec)) {
+      const fs::path above = fs::canonical(root, ec).parent_path();
+      layout.calibration = find_calibration(above.string());
+    }
+    return std::optional<Layout>(std::move(layout));
+  }
+  return std::optional<Layout>{};
+}
+
+Result<std::optional<Layout>> find_kitti_odometry(const std::string& path) {
+  const fs::path root(path);
+  if (!looks_like_kitti_calibration(root / "calib.txt")) return std::optional<Layout>{};
+  for (const int first : {0, 2}) {
+    const fs::path left = root / ("image_" + std::to_string(first));
+    const fs::path right = root / ("image_" + std::to_string(first + 1));
+    if (!is_folder(left) && !is_folder(right)) continue;
+    Layout layout;
+    layout.description = "KITTI odometry folder " + path;
+    layout.root = path;
+    layout.left_camera = first;
+    layout.right_camera = first + 1;
+    layout.calibration = (root / "calib.txt").string();
+    if (const auto ok = list_eyes(layout, left.string(), right.string()); !ok) return ok.error();
+    if (const std::string times = find_times(path); !times.empty()) {
+      if (const auto ok = stamps_from_file(times, layout.left); !ok) return ok.error();
+    }
+    return std::optional<Layout>(std::move(layout));
+  }
+  return std::optional<Layout>{};
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/recording/pairing.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace cliquevo::drivers {
+
+namespace {
+
+bool all_stamped(const Eye& eye) {
+  return std::all_of(eye.images.begin(), eye.images.end(), [](const EyeImage& i) { return i.stamp_ns.has_value(); });
+}
+
+// The first image that the other eye has no namesake for; nullptr = the same names.
+const EyeImage* first_without_namesake(const Eye& a, const Eye& b) {
+  std::size_t j = 0;
+  for (const EyeImage& image : a.images) {
+    if (j >= b.images.size() || b.images[j].name != image.name) return &image;
+    ++j;
+  }
+  return j < b.images.size() ? &b.images[j] : nullptr;
+}
+
+// "left_000012" -> 12: the last run of digits, to pair names that differ in the eye's name only.
+std::string number_in(const std::string& name) {
+  const std::size_t end = name.find_last_of("0123456789");
+  if (end == std::string::npos) return {};
+  const std::size_t before = name.find_last_not_of("0123456789", end);
+  const std::size_t begin = before == std::string::npos ? 0 : before + 1;
+  return name.substr(begin, end - begin + 1);
+}
+
+bool same_numbers(const Eye& a, const Eye& b) {
+  if (a.images.size() != b.images.size()) return false;
+  for (std::size_t i = 0; i < a.images.size(); ++i) {
+    const std::string number = number_in(a.images[i].name);
+    if (number.empty() || number != number_in(b.images[i].name)) return false;
+    if (i > 0 && number == number_in(a.images[i - 1].name)) return false;
+  }
+  return true;
+}
+
+Result<void> check_rising(const Eye& eye) {
+  for (std::size_t i = 1; i < eye.images.size(); ++i) {
+    if (*eye.images[i].stamp_ns <= *eye.images[i - 1].stamp_ns) {
+      return Error{"stamps do not rise", eye.images[i].path, "order the images (or the times) as they were taken"};
+    }
+  }
+  return {};
+}
+
+std::vector<TimestampNs> stamps_of(const Eye& eye) {
+  std::vector<TimestampNs> stamps;
+  stamps.reserve(eye.images.size());
+  for (const EyeImage& image : eye.images) stamps.push_back(*image.stamp_ns);
+  return stamps;
+}
+
+std::size_t nearest(const std::vector<TimestampNs>& stamps, TimestampNs t) {
+  const auto after = std::lower_bound(stamps.begin(), stamps.end(), t);
+  if (after == stamps.begin()) return 0;
+  if (after == stamps.end()) return stamps.size() - 1;
+  const auto i = static_cast<std::size_t>(after - stamps.begin());
+  return *after - t < t - stamps[i - 1] ? i : i - 1;
+}
+
+Result<Pairing> pair_by_time(const Layout& layout, std::optional<double> pair_tolerance_s) {
+  for (const Eye* eye : {&layout.left, &layout.right}) {
+    if (const Result<void> ok = check_rising(*eye); !ok) return ok.error();
+  }
+  const std::vector<TimestampNs> left = stamps_of(layout.left);
+  const std::vector<TimestampNs> right = stamps_of(layout.right);
+  const auto tolerance =
+      pair_tolerance_s ? static_cast<std::int64_t>(std::llround(*pair_tolerance_s * 1e9)) : median_period_ns(left) / 4;
+  Pairing pairing;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const std::size_t j = nearest(right, left[i]);
+    if (nearest(left, right[j]) != i || std::abs(right[j] - left[i]) > tolerance) continue;
+    pairing.pairs.push_back({left[i], layout.left.images[i].path, layout.right.images[j].path});
+  }
+  pairing.unpaired = static_cast<std::int64_t>(left.size() + right.size() - 2 * pairing.pairs.size());
+  if (pairing.pairs.empty()) {
+    return Error{fmt::format("no image of the left eye is within {:.6g} s of one of the right",
+                             static_cast<double>(tolerance) * 1e-9),
+                 layout.root, "give a larger --pair-tolerance, or correct the stamps"};
+  }
+  return pairing;
+}
+
+}  // namespace
+
+std::int64_t median_period_ns(const std::vector<TimestampNs>& stamps) {
+  if (stamps.size() < 2) return 0;
+  std::vector<std::int64_t> periods;
+  periods.reserve(stamps.size() - 1);
+  for (std::size_t i = 1; i < stamps.size(); ++i) periods.push_back(stamps[i] - stamps[i - 1]);
+  const auto middle = periods.begin() + static_cast<std::ptrdiff_t>(periods.size() / 2);
+  std::nth_element(periods.begin(), middle, periods.end());
+  return *middle;
+}
+
+Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
+                            std::optional<double> pair_tolerance_s) {
+  const EyeImage* odd = first_without_namesake(layout.left, layout.right);
+  if (odd != nullptr && all_stamped(layout.left) && all_stamped(layout.right)) {
+    return pair_by_time(layout, pair_tolerance_s);
+  }
+  if (odd != nullptr && !same_numbers(layout.left, layout.right)) {
+    return Error{"image has no partner in the other eye", odd->path,
+                 "copy the recording again; or give both eyes times of their own to pair them by time"};
+  }
+  if (!all_stamped(layout.left) && !rate_hz) {
+    return Error{"recording has no times", layout.root,
+                 "give the frame rate with --rate HZ, or add times.txt with one time in seconds a line"};
+  }
+  Pairing pairing;
+  for (std::size_t i = 0; i < layout.left.images.size(); ++i) {
+    const EyeImage& image = layout.left.images[i];
+    const TimestampNs stamp = all_stamped(layout.left)
+                                  ? *image.stamp_ns
+                                  : static_cast<TimestampNs>(std::llround(static_cast<double>(i) * 1e9 / *rate_hz));
+    if (!pairing.pairs.empty() && stamp <= pairing.pairs.back().stamp_ns) {
+      return Error{"stamps do not rise", image.path, "order the images (or the times) as they were taken"};
+    }
+    pairing.pairs.push_back({stamp, image.path, layout.right.images[i].path});
+  }
+  return pairing;
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Which image of the left eye belongs to which of the right.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "drivers/recording/layout.h"
+
+namespace cliquevo::drivers {
+
+struct ImagePair {
+  TimestampNs stamp_ns = 0;  // the left image's
+  std::string left;          // paths
+  std::string right;
+};
+
+struct Pairing {
+  std::vector<ImagePair> pairs;  // stamps rise strictly
+  std::int64_t unpaired = 0;     // images without a partner, both eyes together
+};
+
+// By name where both folders hold the same names; else by time, each with its mutually nearest within the tolerance
+// (default a quarter of the left eye's period). rate_hz gives stamps to images that have none. Errors: no times and no
+// rate, no pair at all, names that do not match and no times, stamps that do not rise.
+Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
+                            std::optional<double> pair_tolerance_s);
+
+// Median of the differences; 0 for fewer than two.
+std::int64_t median_period_ns(const std::vector<TimestampNs>& stamps);
+
+}  // namespace cliquevo::drivers
