@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/rt/thread.h"
+
+#include <algorithm>
+#include <cstring>
+#include <limits.h>
+#include <pthread.h>
+#include <sched.h>
+#include <utility>
+
+#include "core/rt/memory.h"
+
+namespace cliquevo::rt {
+
+struct Thread::Impl {
+  std::function<void()> body;
+  std::size_t prefault_bytes = 0;
+  pthread_t handle{};
+};
+
+namespace {
+
+void note(std::string& shortfall, const std::string& what, int error) {
+  if (error == 0) return;
+  if (!shortfall.empty()) shortfall += "; ";
+  shortfall += what + ": " + std::strerror(error);
+}
+
+}  // namespace
+
+Result<Thread> Thread::start(const ThreadOptions& options, std::function<void()> body) {
+  Thread thread;
+  thread.impl_ = std::make_unique<Impl>();
+  Impl* impl = thread.impl_.get();
+  impl->body = std::move(body);
+  const std::size_t stack = std::max<std::size_t>(options.stack_bytes, PTHREAD_STACK_MIN);
+  impl->prefault_bytes = stack / 2;
+
+  pthread_attr_t attributes;
+  pthread_attr_init(&attributes);
+  pthread_attr_setstacksize(&attributes, stack);
+  const auto run = [](void* argument) -> void* {
+    auto* self = static_cast<Impl*>(argument);
+    prefault_stack(self->prefault_bytes);
+    self->body();
+    return nullptr;
+  };
+  const int failed = pthread_create(&impl->handle, &attributes, run, impl);
+  pthread_attr_destroy(&attributes);
+  if (failed != 0) {
+    thread.impl_.reset();
+    return Error{"cannot start a thread", options.name, std::strerror(failed)};
+  }
+
+  pthread_setname_np(impl->handle, options.name.substr(0, 15).c_str());
+  if (options.cpu >= 0) {
+    cpu_set_t cores;
+    CPU_ZERO(&cores);
+    if (options.cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(options.cpu), &cores);
+    note(thread.shortfall_, "core " + std::to_string(options.cpu),
+         pthread_setaffinity_np(impl->handle, sizeof cores, &cores));
+  }
+  if (options.fifo_priority > 0) {
+    sched_param priority{};
+    priority.sched_priority = options.fifo_priority;
+    note(thread.shortfall_, "FIFO priority " + std::to_string(options.fifo_priority),
+         pthread_setschedparam(impl->handle, SCHED_FIFO, &priority));
+  }
+  return thread;
+}
+
+Thread::Thread(Thread&&) noexcept = default;
+
+Thread& Thread::operator=(Thread&& other) noexcept {
+  if (this != &other) {
+    join();
+    impl_ = std::move(other.impl_);
+    shortfall_ = std::move(other.shortfall_);
+  }
+  return *this;
+}
+
+Thread::~Thread() { join(); }
+
+void Thread::join() {
+  if (!impl_) return;
+  pthread_join(impl_->handle, nullptr);
+  impl_.reset();
+}
+
+}  // namespace cliquevo::rt

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Threads with a name, a core and a real-time priority.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/result.h"
+
+namespace cliquevo::rt {
+
+struct ThreadOptions {
+  std::string name;       // at most 15 characters are shown by the system
+  int cpu = -1;           // core to stay on; -1 = any
+  int fifo_priority = 0;  // SCHED_FIFO, 1 to 99; 0 = ordinary time sharing
+  std::size_t stack_bytes = std::size_t{1} << 20;
+};
+
+class Thread {
+ public:
+  Thread() = default;
+  // Fails only when no thread can be made. Without the right to a priority or the core, the thread runs all the same:
+  // shortfall() tells.
+  static Result<Thread> start(const ThreadOptions& options, std::function<void()> body);
+  Thread(Thread&&) noexcept;
+  Thread& operator=(Thread&&) noexcept;  // joins the one it held
+  ~Thread();                             // joins
+
+  void join();
+  bool joinable() const { return impl_ != nullptr; }
+  // What was asked for and not granted, e.g. "FIFO priority 60: Operation not permitted"; empty = all granted.
+  const std::string& shortfall() const { return shortfall_; }
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+  std::string shortfall_;
+};
+
+}  // namespace cliquevo::rt
