@@ -1,0 +1,161 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/rectification.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/LU>
+
+#include "stereo/camera_projection.h"
+
+namespace cliquevo::stereo {
+
+namespace {
+
+constexpr char kRemedy[] = "calibrate the cameras again or name the right calibration file";
+
+Error bad(const StereoCalibration& calibration, const char* why) {
+  return {"cannot rectify with this calibration", calibration.source.empty() ? why : calibration.source + ", " + why,
+          kRemedy};
+}
+
+bool is_rotation(const Eigen::Matrix3d& R) {
+  if (!R.allFinite()) return false;
+  // Files carry six digits or so; anything beyond a thousandth is no rounding.
+  return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3 && R.determinant() > 0.0;
+}
+
+// Both eyes and how they are turned; answers how much of a pinhole image they fill.
+struct Pair {
+  CameraProjection left, right;
+  const StereoCalibration& calibration;
+  Eigen::Matrix3d R_left, R_right;
+
+  bool sees(const CameraProjection& eye, const CameraCalibration& camera, const Eigen::Matrix3d& R, double x,
+            double y) const {
+    const auto p = eye.project(R.transpose() * Eigen::Vector3d(x, y, 1.0));
+    // A tenth of a pixel inside: the outline is only sampled.
+    return p && p->x() >= 0.1 && p->y() >= 0.1 && p->x() <= camera.width - 1.1 && p->y() <= camera.height - 1.1;
+  }
+  // The outline of an image of this focal length about (x0, y0), seen by both eyes all along.
+  bool filled(double f, double x0, double y0) const {
+    const double half_width = 0.5 * (calibration.left.width - 1) / f;
+    const double half_height = 0.5 * (calibration.left.height - 1) / f;
+    constexpr int kSteps = 64;
+    for (int i = 0; i <= kSteps; ++i) {
+      const double s = 2.0 * i / kSteps - 1.0;
+      const Eigen::Vector2d outline[] = {{x0 + s * half_width, y0 - half_height},
+                                         {x0 + s * half_width, y0 + half_height},
+                                         {x0 - half_width, y0 + s * half_height},
+                                         {x0 + half_width, y0 + s * half_height}};
+      for (const Eigen::Vector2d& p : outline) {
+        if (!sees(left, calibration.left, R_left, p.x(), p.y())) return false;
+        if (!sees(right, calibration.right, R_right, p.x(), p.y())) return false;
+      }
+    }
+    return true;
+  }
+  // Shortest focal length in [shortest, longest] that is filled; just above longest when none is.
+  double shortest_focal_length(double shortest, double longest, double x0, double y0) const {
+    if (filled(shortest, x0, y0)) return shortest;
+    if (!filled(longest, x0, y0)) return longest * 1.001;
+    double low = shortest;
+    double high = longest;
+    for (int i = 0; i < 40; ++i) {
+      const double middle = 0.5 * (low + high);
+      (filled(middle, x0, y0) ? high : low) = middle;
+    }
+    return high;
+  }
+};
+
+Result<PrescribedRectification> own_rectification(const StereoCalibration& calibration) {
+  const RigidTransform& T = calibration.T_right_left;
+  const Eigen::Vector3d turn = so3_log(T.R);
+  if (turn.norm() > M_PI / 3.0) return bad(calibration, "the eyes look different ways (more than 60 degrees apart)");
+  const Eigen::Matrix3d half = so3_exp(0.5 * turn);
+  // The right eye's place in the frame half-way between both eyes.
+  const Eigen::Vector3d baseline = -(half.transpose() * T.t);
+  const Eigen::Vector3d e = baseline.normalized();
+  if (e.x() < 0.0) return bad(calibration, "the right eye is left of the left one (are the eyes swapped?)");
+  if (e.x() < 0.7) return bad(calibration, "the eyes are not side by side");
+  const Eigen::Vector3d axis = e.cross(Eigen::Vector3d::UnitX());
+  const double sine = axis.norm();
+  const Eigen::Vector3d level = sine > 1e-12 ? Eigen::Vector3d(axis / sine * std::asin(std::min(1.0, sine)))
+                                             : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  const Eigen::Matrix3d R_level = so3_exp(level);
+
+  PrescribedRectification out;
+  out.R_left = R_level * half;
+  out.R_right = R_level * half.transpose();
+  const Pair pair{CameraProjection(calibration.left), CameraProjection(calibration.right), calibration, out.R_left,
+                  out.R_right};
+
+  // Where the middles of both raw images end up.
+  const auto middle_left = pair.left.direction(0.5 * (calibration.left.width - 1), 0.5 * (calibration.left.height - 1));
+  const auto middle_right =
+      pair.right.direction(0.5 * (calibration.right.width - 1), 0.5 * (calibration.right.height - 1));
+  if (!middle_left || !middle_right) return bad(calibration, "the distortion leaves the middle of the image unseen");
+  const Eigen::Vector3d m_left = out.R_left * *middle_left;
+  const Eigen::Vector3d m_right = out.R_right * *middle_right;
+  if (m_left.z() < 0.2 || m_right.z() < 0.2) return bad(calibration, "an eye looks along the baseline");
+  Eigen::Vector2d middle = 0.5 * (m_left.head<2>() / m_left.z() + m_right.head<2>() / m_right.z());
+
+  const double raw_f = 0.25 * (calibration.left.fx_px + calibration.left.fy_px +
+                               calibration.right.fx_px * calibration.left.width / calibration.right.width +
+                               calibration.right.fy_px * calibration.left.width / calibration.right.width);
+  const double shortest = 0.75 * raw_f;
+  const double longest = 1.5 * raw_f;
+  double f = pair.shortest_focal_length(shortest, longest, middle.x(), middle.y());
+  // The image may sit off the middle when that lets it show more.
+  for (double step = 0.05; step > 1e-4 && f > shortest; step *= 0.5) {
+    for (const Eigen::Vector2d& d :
+         {Eigen::Vector2d(step, 0), Eigen::Vector2d(-step, 0), Eigen::Vector2d(0, step), Eigen::Vector2d(0, -step)}) {
+      const Eigen::Vector2d trial = middle + d;
+      const double f_trial = pair.shortest_focal_length(shortest, longest, trial.x(), trial.y());
+      if (f_trial < f) {
+        f = f_trial;
+        middle = trial;
+      }
+    }
+  }
+  if (f > longest) f = raw_f;  // borders cannot be avoided: keep the pixels' size at least
+
+  StereoModel& m = out.model;
+  m.width = calibration.left.width;
+  m.height = calibration.left.height;
+  m.fx_px = m.fy_px = f;
+  m.cx_px = 0.5 * (m.width - 1) - f * middle.x();
+  m.cy_px = 0.5 * (m.height - 1) - f * middle.y();
+  m.baseline_m = baseline.norm();
+  return out;
+}
+
+}  // namespace
+
+Result<PrescribedRectification> choose_rectification(const StereoCalibration& calibration) {
+  if (calibration.rectified && calibration.prescribed) {
+    if (auto ok = calibration.prescribed->model.check(); !ok) return ok.error();
+    return *calibration.prescribed;
+  }
+  if (calibration.rectified) return bad(calibration, "the images are said to be rectified, but no model is given");
+  if (auto ok = check_camera(calibration.left, "left"); !ok) return ok.error();
+  if (auto ok = check_camera(calibration.right, "right"); !ok) return ok.error();
+  if (calibration.prescribed) {
+    const PrescribedRectification& given = *calibration.prescribed;
+    if (!is_rotation(given.R_left) || !is_rotation(given.R_right)) {
+      return bad(calibration, "a prescribed rotation is none");
+    }
+    if (auto ok = given.model.check(); !ok) return ok.error();
+    return given;
+  }
+  const RigidTransform& T = calibration.T_right_left;
+  if (!is_rotation(T.R)) return bad(calibration, "the rotation between the eyes is none");
+  if (!T.t.allFinite() || T.t.norm() < 1e-6) return bad(calibration, "no baseline between the eyes");
+  auto out = own_rectification(calibration);
+  if (!out) return out;
+  if (auto ok = out->model.check(); !ok) return ok.error();
+  return out;
+}
+
+}  // namespace cliquevo::stereo

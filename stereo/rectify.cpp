@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/rectify.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "stereo/camera_projection.h"
+#include "stereo/kernels/kernels.h"
+#include "stereo/rectification.h"
+
+namespace cliquevo::stereo {
+
+namespace {
+
+constexpr int kFraction = kernels::RemapPixel::kFraction;
+
+struct Map {
+  int raw_width = 0;
+  int raw_height = 0;
+  std::vector<kernels::RemapPixel> pixels;  // model's size, row by row
+};
+
+// Where each pixel of the rectified eye comes from; the share of pixels that have a source.
+double fill_map(const CameraCalibration& camera, const Eigen::Matrix3d& R, const StereoModel& model, double cx_px,
+                Map& map) {
+  const CameraProjection projection(camera);
+  map.raw_width = camera.width;
+  map.raw_height = camera.height;
+  map.pixels.assign(static_cast<std::size_t>(model.width) * static_cast<std::size_t>(model.height), {});
+  std::size_t i = 0;
+  std::size_t filled = 0;
+  for (int v = 0; v < model.height; ++v) {
+    for (int u = 0; u < model.width; ++u, ++i) {
+      const Eigen::Vector3d ray((u - cx_px) / model.fx_px, (v - model.cy_px) / model.fy_px, 1.0);
+      const auto p = projection.project(R.transpose() * ray);
+      kernels::RemapPixel& out = map.pixels[i];
+      if (!p || !(p->x() >= 0.0 && p->y() >= 0.0 && p->x() <= camera.width - 1 && p->y() <= camera.height - 1)) {
+        continue;
+      }
+      const int x = static_cast<int>(std::lround(p->x() * kFraction));
+      const int y = static_cast<int>(std::lround(p->y() * kFraction));
+      // The last pixel is its left neighbour plus a whole step, so that the right one may always be read.
+      const int x0 = std::min(x / kFraction, camera.width - 2);
+      const int y0 = std::min(y / kFraction, camera.height - 2);
+      out.x = static_cast<std::int16_t>(x0);
+      out.y = static_cast<std::int16_t>(y0);
+      out.weight_x = static_cast<std::uint8_t>(x - x0 * kFraction);
+      out.weight_y = static_cast<std::uint8_t>(y - y0 * kFraction);
+      ++filled;
+    }
+  }
+  return static_cast<double>(filled) / static_cast<double>(map.pixels.size());
+}
+
+}  // namespace
+
+struct Rectifier::Impl {
+  StereoModel model;
+  bool identity = false;
+  Map left, right;
+  const kernels::Table& kernel = kernels::active();
+
+  const Map& map(Eye eye) const { return eye == Eye::left ? left : right; }
+  Result<void> check(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
+    const auto wrong = [](const char* where, int w, int h, int want_w, int want_h) {
+      return Error{"cannot rectify", where,
+                   "give an image of " + std::to_string(want_w) + "x" + std::to_string(want_h) + " px, not " +
+                       std::to_string(w) + "x" + std::to_string(h)};
+    };
+    const int raw_width = identity ? model.width : map(eye).raw_width;
+    const int raw_height = identity ? model.height : map(eye).raw_height;
+    if (raw.empty() || !raw.same_size(raw_width, raw_height) || raw.stride < raw.width) {
+      return wrong("raw image", raw.width, raw.height, raw_width, raw_height);
+    }
+    if (out.empty() || !out.same_size(model.width, model.height) || out.stride < out.width) {
+      return wrong("rectified image", out.width, out.height, model.width, model.height);
+    }
+    return {};
+  }
+};
+
+Rectifier::Rectifier(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Rectifier::Rectifier(Rectifier&&) noexcept = default;
+Rectifier& Rectifier::operator=(Rectifier&&) noexcept = default;
+Rectifier::~Rectifier() = default;
+
+const StereoModel& Rectifier::model() const { return impl_->model; }
+bool Rectifier::is_identity() const { return impl_->identity; }
+
+Result<Rectifier> Rectifier::make(const StereoCalibration& calibration) {
+  auto chosen = choose_rectification(calibration);
+  if (!chosen) return chosen.error();
+  auto impl = std::make_unique<Impl>();
+  impl->model = chosen->model;
+  impl->identity = calibration.rectified;
+  if (!impl->identity) {
+    const StereoModel& m = impl->model;
+    const double left = fill_map(calibration.left, chosen->R_left, m, m.cx_px, impl->left);
+    const double right = fill_map(calibration.right, chosen->R_right, m, m.cx_px + m.doffs_px, impl->right);
+    if (left < 0.25 || right < 0.25) {
+      return Error{"cannot rectify with this calibration",
+                   (calibration.source.empty() ? std::string() : calibration.source + ", ") +
+                       "less than a quarter of the rectified image would show anything",
+                   "calibrate the cameras again or name the right calibration file"};
+    }
+  }
+  return Rectifier(std::move(impl));
+}
+
+Result<void> Rectifier::rectify(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
+  if (auto ok = impl_->check(eye, raw, out); !ok) return ok;
+  if (impl_->identity) {
+    for (int y = 0; y < out.height; ++y) std::memcpy(out.row(y), raw.row(y), static_cast<std::size_t>(out.width));
+    return {};
+  }
+  const kernels::RemapPixel* p = impl_->map(eye).pixels.data();
+  for (int y = 0; y < out.height; ++y) {
+    impl_->kernel.remap_row(raw.data, raw.stride, p + static_cast<std::ptrdiff_t>(y) * out.width, out.width,
+                            out.row(y));
+  }
+  return {};
+}
+
+Result<void> Rectifier::rectify_mask(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
+  if (auto ok = impl_->check(eye, raw, out); !ok) return ok;
+  if (impl_->identity) return rectify(eye, raw, out);
+  const kernels::RemapPixel* p = impl_->map(eye).pixels.data();
+  for (int y = 0; y < out.height; ++y) {
+    for (int x = 0; x < out.width; ++x, ++p) {
+      const bool seen = p->x >= 0;
+      out(x, y) = seen ? raw(p->x + (2 * p->weight_x >= kFraction), p->y + (2 * p->weight_y >= kFraction)) : 0;
+    }
+  }
+  return {};
+}
+
+}  // namespace cliquevo::stereo

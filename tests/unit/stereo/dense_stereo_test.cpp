@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "stereo/dense_stereo.h"
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "stereo/speckles.h"
+
+namespace cliquevo::stereo {
+namespace {
+
+// A textured plane: right image sampled from a smooth random signal, shifted by a sub-pixel disparity per row band.
+struct Scene {
+  Image<std::uint8_t> left, right;
+  std::vector<double> disparity_px;  // per row
+};
+
+Scene slanted(int width, int height, double first, double last) {
+  Scene s;
+  s.left.resize(width, height);
+  s.right.resize(width, height);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> phase(0.0, 6.283);
+  for (int y = 0; y < height; ++y) {
+    const double d = first + (last - first) * y / height;
+    s.disparity_px.push_back(d);
+    std::mt19937 row_random(static_cast<unsigned>(y / 3 + 1));
+    std::vector<double> ph, fr;
+    for (int k = 0; k < 12; ++k) {
+      ph.push_back(phase(row_random));
+      fr.push_back(0.08 + 0.09 * k);
+    }
+    const auto value = [&](double x) {
+      double v = 128.0;
+      for (int k = 0; k < 12; ++k) v += 14.0 * std::sin(fr[k] * x + ph[k]);
+      return static_cast<std::uint8_t>(std::lround(std::min(255.0, std::max(0.0, v))));
+    };
+    for (int x = 0; x < width; ++x) {
+      s.left.view()(x, y) = value(x);
+      s.right.view()(x, y) = value(x + d);
+    }
+  }
+  return s;
+}
+
+TEST(DenseStereo, FindsASlantedPlaneToAFractionOfAPixel) {
+  const int w = 320;
+  const int h = 120;
+  const Scene s = slanted(w, h, 5.0, 30.0);
+  StereoParams p;
+  p.num_disparities = 64;
+  auto stereo = DenseStereo::make(p, w, h);
+  ASSERT_TRUE(stereo.ok());
+  Image<std::uint8_t> filtered(w, h);
+  Image<std::int16_t> disparity(w, h);
+  ASSERT_TRUE(stereo->compute(s.left.view(), s.right.view(), filtered.view(), disparity.view()).ok());
+  int known = 0;
+  int right = 0;
+  for (int y = 8; y < h - 8; ++y) {
+    for (int x = 80; x < w - 8; ++x) {
+      const int d = disparity.view()(x, y);
+      if (d == kUnknownDisparity) continue;
+      ++known;
+      right += std::abs(d / 16.0 - s.disparity_px[y]) < 0.5;
+    }
+  }
+  EXPECT_GT(known, 0.8 * (h - 16) * (w - 88));
+  EXPECT_GT(right, 0.98 * known);
+}
+
+TEST(DenseStereo, FindsFarPointsBelowZeroOfASlightlyWrongCalibration) {
+  const int w = 200;
+  const int h = 40;
+  const Scene s = slanted(w, h, -1.0, -0.6);
+  StereoParams p;
+  p.num_disparities = 32;
+  auto stereo = DenseStereo::make(p, w, h);
+  ASSERT_TRUE(stereo.ok());
+  Image<std::uint8_t> filtered(w, h);
+  Image<std::int16_t> disparity(w, h);
+  ASSERT_TRUE(stereo->compute(s.left.view(), s.right.view(), filtered.view(), disparity.view()).ok());
+  int known = 0;
+  for (int x = 60; x < w - 20; ++x) {
+    const int d = disparity.view()(x, h / 2);
+    if (d == kUnknownDisparity) continue;
+    ++known;
+    EXPECT_NEAR(d / 16.0, -0.8, 0.4);
+  }
+  EXPECT_GT(known, 80);
+}
+
+TEST(DenseStereo, LeavesAFlatPairUnknown) {
+  const int w = 160;
+  const int h = 40;
+  Image<std::uint8_t> grey(w, h);
+  grey.fill(90);
+  StereoParams p;
+  p.num_disparities = 32;
+  auto stereo = DenseStereo::make(p, w, h);
+  ASSERT_TRUE(stereo.ok());
+  Image<std::uint8_t> filtered(w, h);
+  Image<std::int16_t> disparity(w, h);
+  disparity.fill(5);
+  ASSERT_TRUE(stereo->compute(grey.view(), grey.view(), filtered.view(), disparity.view()).ok());
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) ASSERT_EQ(disparity.view()(x, y), kUnknownDisparity);
+  }
+}
+
+TEST(DenseStereo, NamesBadCallsBeforeAnyWork) {
+  StereoParams p;
+  EXPECT_TRUE(p.check().ok());
+  EXPECT_FALSE(DenseStereo::make(p, 100, 100).ok());  // disparities beyond the width
+  p.num_disparities = 32;
+  EXPECT_FALSE(DenseStereo::make(p, 100, 5).ok());  // window larger than the image
+  EXPECT_FALSE(DenseStereo::make(p, 0, 5).ok());
+  for (const auto& spoil : std::initializer_list<void (*)(StereoParams&)>{
+           [](StereoParams& q) { q.window = 8; }, [](StereoParams& q) { q.window = 23; },
+           [](StereoParams& q) { q.num_disparities = 40; }, [](StereoParams& q) { q.num_disparities = 512; },
+           [](StereoParams& q) { q.workers = 0; }, [](StereoParams& q) { q.prefilter_cap = 64; }}) {
+    StereoParams q = p;
+    spoil(q);
+    ASSERT_FALSE(q.check().ok());
+    EXPECT_FALSE(q.check().error().where.empty());
+    EXPECT_FALSE(DenseStereo::make(q, 640, 480).ok());
+  }
+  auto stereo = DenseStereo::make(p, 100, 60);
+  ASSERT_TRUE(stereo.ok());
+  Image<std::uint8_t> l(100, 60), r(100, 60), f(100, 60), small(99, 60);
+  Image<std::int16_t> d(100, 60);
+  d.fill(77);
+  EXPECT_FALSE(stereo->compute({}, r.view(), f.view(), d.view()).ok());
+  EXPECT_FALSE(stereo->compute(l.view(), small.view(), f.view(), d.view()).ok());
+  EXPECT_FALSE(stereo->compute(l.view(), r.view(), l.view(), d.view()).ok());
+  EXPECT_FALSE(stereo->compute(l.view(), r.view(), f.view(), {}).ok());
+  EXPECT_EQ(d.view()(50, 30), 77);
+}
+
+// The same by flood fill, one pixel at a time.
+void flood_speckles(ImageView<std::int16_t> d, int size, int range) {
+  std::vector<char> seen(static_cast<std::size_t>(d.width * d.height), 0);
+  for (int y = 0; y < d.height; ++y) {
+    for (int x = 0; x < d.width; ++x) {
+      if (seen[y * d.width + x] || d(x, y) == kUnknownDisparity) continue;
+      std::vector<std::pair<int, int>> part{{x, y}};
+      seen[y * d.width + x] = 1;
+      for (std::size_t i = 0; i < part.size(); ++i) {
+        const auto [px, py] = part[i];
+        for (const auto& [dx, dy] : {std::pair{1, 0}, {-1, 0}, {0, 1}, {0, -1}}) {
+          const int qx = px + dx;
+          const int qy = py + dy;
+          if (!d.contains(qx, qy) || seen[qy * d.width + qx] || d(qx, qy) == kUnknownDisparity) continue;
+          if (std::abs(d(qx, qy) - d(px, py)) > range) continue;
+          seen[qy * d.width + qx] = 1;
+          part.emplace_back(qx, qy);
+        }
+      }
+      if (static_cast<int>(part.size()) < size) {
+        for (const auto& [px, py] : part) d(px, py) = kUnknownDisparity;
+      }
+    }
+  }
+}
+
+TEST(Speckles, EqualAPlainFloodFill) {
+  std::mt19937 random(3);
+  for (int round = 0; round < 200; ++round) {
+    const int w = 1 + static_cast<int>(random() % 60);
+    const int h = 1 + static_cast<int>(random() % 40);
+    const int levels = 2 + static_cast<int>(random() % 6);
+    Image<std::int16_t> a(w, h), b(w, h);
+    for (int y = 0; y < h; ++y) {
+      for (int x = 0; x < w; ++x) {
+        const int v = static_cast<int>(random()) % levels;
+        a.view()(x, y) = v == 0 ? kUnknownDisparity : static_cast<std::int16_t>(v * 10);
+      }
+    }
+    b.copy_from(a.view());
+    SpeckleFilter filter;
+    filter.prepare(w, h);
+    filter.remove(a.view(), 12, 16);
+    flood_speckles(b.view(), 12, 16);
+    for (int y = 0; y < h; ++y) {
+      for (int x = 0; x < w; ++x) ASSERT_EQ(a.view()(x, y), b.view()(x, y)) << round << ": " << x << "," << y;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cliquevo::stereo
