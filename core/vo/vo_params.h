@@ -5,9 +5,48 @@
 
 namespace cliquevo::vo {
 
+enum class Consistency { fixed, range_aware };        // step A4's test on mutual distances
+enum class AfterFailure { hold, constant_velocity };  // what the pose does on a failed frame
+enum class CornerImage { filtered, intensity };       // where step A2 looks for corners
+
 // Everything that steers the odometry. Defaults are the shipped ones: one set for every vehicle.
 struct VoParams {
-  int max_features = 500;  // features kept a frame
+  // A2, features
+  int max_features = 500;        // kept a frame, 50..1000
+  int cell_px = 32;              // side of the cells over which features are spread, 16..256
+  int corner_threshold = 20;     // FAST threshold to begin with, grey levels, 1..128; adapts to the picture
+  int min_corner_threshold = 4;  // it never falls below this: weaker corners are noise
+  CornerImage corner_image = CornerImage::intensity;
+  int descriptor_window = 7;  // side of the descriptor, px: 5, 7, 9 or 11 (7 x 7 less its centre = 48 bytes)
+
+  // A4, clique
+  Consistency consistency = Consistency::range_aware;
+  double consistency_delta_m = 0.05;  // fixed: distances may differ by this much; range-aware: by this much at least
+  double consistency_sigmas = 3.0;    // range-aware: and by so many standard deviations
+  double match_sigma_px = 0.5;        // of a corner's position, unrefined
+  double match_disparity_sigma_px = 0.5;  // of its disparity, unrefined
+
+  // Sub-pixel refinement (beyond the paper; core/README.md has the reasons)
+  bool refine = true;                 // find each feature of the reference again to a fraction of a pixel
+  int refine_radius_px = 4;           // half side of the patch, 2..7
+  int refine_iterations = 8;          // at most
+  double refine_max_residual = 12.0;  // RMS grey levels between patches (after gain and bias) above which it is dropped
+  double sigma_px = 0.3;              // of a refined position
+  double disparity_sigma_px = 1.0;    // of a refined disparity: loose, so that a systematic error cannot set the scale
+  bool use_key_frame = true;          // estimate against a kept reference as well as the previous frame
+  double key_frame_overlap = 0.5;     // a new reference when less than this share of its features is found again
+
+  // A5, motion
+  int solver_iterations = 15;  // Levenberg-Marquardt, at most
+  double huber_sigmas = 1.5;   // residuals beyond count linearly
+  double trim_sigmas = 4.0;    // residuals beyond are dropped before the second solution
+
+  // A6, validation
+  int min_inliers = 10;                    // 3 is the geometric minimum
+  double min_eigenvalue_ratio = 0.02;      // spread of the inliers in the image, smaller / larger axis (variances)
+  double max_reprojection_error_px = 0.6;  // RMS over the inliers
+
+  AfterFailure after_failure = AfterFailure::constant_velocity;
 
   Result<void> check() const;
 };

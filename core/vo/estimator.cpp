@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/vo/estimator.h"
+
+#include "core/vo/validation.h"
+
+namespace cliquevo::vo {
+
+namespace {
+
+Observation observation(const Feature& ref, const Feature& cur, int index, const VoParams& params) {
+  Observation o;
+  o.uvd_ref = {static_cast<double>(ref.x), static_cast<double>(ref.y), ref.disparity_px};
+  o.uvd_cur = {static_cast<double>(cur.x), static_cast<double>(cur.y), cur.disparity_px};
+  o.feature = index;
+  o.sigma_px = params.match_sigma_px;
+  o.sigma_d_px = params.match_disparity_sigma_px;
+  return o;
+}
+
+}  // namespace
+
+Estimator::Estimator(const StereoModel& model, const VoParams& params)
+    : model_(model),
+      params_(params),
+      matcher_(params.max_features),
+      clique_finder_(model, params),
+      solver_(model, params),
+      tracker_(model, params) {
+  const std::size_t n = static_cast<std::size_t>(params.max_features);
+  matches_.reserve(n);
+  pairs_.reserve(n);
+  clique_.reserve(n);
+  observations_.reserve(2 * n);
+  references_.reserve(2);
+}
+
+// A2' to A5 as in the paper: scores, co-occurring minima, clique, closed-form start, two-way minimisation.
+bool Estimator::first_motion(const Frame& reference, const Frame& current, Comparison& out, StepTimes& times) {
+  matcher_.match(reference.descriptors, current.descriptors, matches_);
+  times.scores_ns += matcher_.scores_ns();
+  times.matches_ns += matcher_.minima_ns();
+  out.matches = static_cast<int>(matches_.size());
+
+  const std::int64_t clique_start_ns = monotonic_ns();
+  pairs_.clear();
+  for (const Match& m : matches_) {
+    pairs_.push_back({reference.features[static_cast<std::size_t>(m.a)].point,
+                      current.features[static_cast<std::size_t>(m.b)].point});
+  }
+  clique_finder_.find(pairs_, clique_);
+  out.clique = static_cast<int>(clique_.size());
+  times.clique_ns += monotonic_ns() - clique_start_ns;
+  if (out.clique < params_.min_inliers) return false;
+
+  RigidTransform T_ref_cur;
+  if (!align_points(pairs_, clique_, T_ref_cur)) return false;
+  observations_.clear();
+  for (const int i : clique_) {
+    const Match& m = matches_[static_cast<std::size_t>(i)];
+    observations_.push_back(observation(reference.features[static_cast<std::size_t>(m.a)],
+                                        current.features[static_cast<std::size_t>(m.b)], m.a, params_));
+  }
+  references_.assign(1, RigidTransform{});
+  out.motion = solver_.solve(observations_, references_, T_ref_cur);
+  return out.motion.converged && out.motion.inliers >= params_.min_inliers;
+}
+
+Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current, StepTimes& times) {
+  Comparison out;
+  const bool started = first_motion(reference, current, out, times);
+  const std::int64_t start_ns = monotonic_ns();
+  if (!started) {
+    out.status = Status::too_few_features;
+    return out;
+  }
+  if (params_.refine) {
+    observations_.clear();
+    references_.assign(1, RigidTransform{});
+    const int looked_for = tracker_.track(reference, current, out.motion.T_prev_cur, 0, observations_);
+    Motion refined = solver_.solve(observations_, references_, out.motion.T_prev_cur);
+    if (key != nullptr && key != &reference && refined.converged) {
+      const RigidTransform T_ref_key = reference.T_world_camera.inverse() * key->T_world_camera;
+      references_.push_back(T_ref_key);
+      const std::size_t before = observations_.size();
+      tracker_.track(*key, current, T_ref_key.inverse() * refined.T_prev_cur, 1, observations_);
+      refined = solver_.solve(observations_, references_, refined.T_prev_cur);
+      int found = 0;
+      for (std::size_t i = before; i < observations_.size(); ++i) found += observations_[i].inlier ? 1 : 0;
+      out.key_overlap =
+          static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(1, key->features.size()));
+    } else if (looked_for > 0) {
+      out.key_overlap = static_cast<double>(refined.inliers) / static_cast<double>(reference.features.size());
+    }
+    out.motion = refined;
+  }
+  out.eigenvalue_ratio = spread_ratio(observations_);
+  out.status = validate(out.motion, out.eigenvalue_ratio, params_);
+  times.motion_ns += monotonic_ns() - start_ns;
+  return out;
+}
+
+}  // namespace cliquevo::vo

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Steps A2' to A6 for one pair of frames: from features to a judged motion.
+#pragma once
+
+#include <vector>
+
+#include "core/vo/clique.h"
+#include "core/vo/frame.h"
+#include "core/vo/matches.h"
+#include "core/vo/motion.h"
+#include "core/vo/tracking.h"
+#include "core/vo/visual_odometry.h"
+
+namespace cliquevo::vo {
+
+// What comparing two frames gave.
+struct Comparison {
+  Status status = Status::too_few_features;
+  Motion motion;  // T_prev_cur: current camera in the reference's frame
+  int matches = 0;
+  int clique = 0;
+  double eigenvalue_ratio = 0.0;
+  double key_overlap = 1.0;  // share of the key frame's features that were found again
+};
+
+class Estimator {
+ public:
+  Estimator(const StereoModel& model, const VoParams& params);
+
+  // Motion of `current` against `reference`; `key` (may be null or equal to reference) is an older frame that joins the
+  // solution once the clique has given a first one. Step times are added to `times`.
+  Comparison compare(const Frame& reference, const Frame* key, const Frame& current, StepTimes& times);
+
+ private:
+  bool first_motion(const Frame& reference, const Frame& current, Comparison& out, StepTimes& times);
+
+  StereoModel model_;
+  VoParams params_;
+  Matcher matcher_;
+  CliqueFinder clique_finder_;
+  MotionSolver solver_;
+  Tracker tracker_;
+  std::vector<Match> matches_;
+  std::vector<PointPair> pairs_;
+  std::vector<int> clique_;
+  std::vector<Observation> observations_;
+  std::vector<RigidTransform> references_;
+};
+
+}  // namespace cliquevo::vo

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Step A2: corners with depth, spread over the image.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/camera_model.h"
+#include "core/base/image.h"
+#include "core/vo/vo_params.h"
+
+namespace cliquevo::vo {
+
+struct Feature {
+  int x = 0;  // px, left image
+  int y = 0;
+  int score = 0;                                    // FAST: the largest threshold at which it still is a corner
+  double disparity_px = 0.0;                        // + doffs > 0
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  // w, in the left camera's frame, m
+  // Change of disparity per px in x and y: the slant of the surface around it.
+  double disparity_dx = 0.0;
+  double disparity_dy = 0.0;
+};
+
+// No feature nearer than this to the border: every window and patch fits.
+inline constexpr int kFeatureMargin = 8;
+
+class FeatureDetector {
+ public:
+  FeatureDetector(const StereoModel& model, const VoParams& params);
+
+  // Fills `features` with at most max_features corners of `image` whose disparity is known. mask: 0 = none here; may be
+  // empty. The threshold adapts within the call only: the same picture gives the same features, whatever came before.
+  void detect(ImageView<const std::uint8_t> image, ImageView<const std::int16_t> disparity,
+              ImageView<const std::uint8_t> mask, std::vector<Feature>& features);
+
+ private:
+  struct Corner {
+    int x, y, score;
+  };
+  void find_corners(ImageView<const std::uint8_t> image, int threshold);
+  void suppress_non_maxima();
+  void spread(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask,
+              std::vector<Feature>& features);
+
+  StereoModel model_;
+  VoParams params_;
+  std::vector<Corner> corners_;
+  std::vector<int> row_begin_;  // first corner of each row
+  std::vector<std::uint8_t> keep_;
+  std::vector<std::vector<Corner>> cells_;
+};
+
+}  // namespace cliquevo::vo

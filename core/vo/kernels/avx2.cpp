@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <immintrin.h>
+
+#include "core/vo/kernels/fast_circle.h"
+#include "core/vo/kernels/tables.h"
+
+namespace cliquevo::vo {
+namespace {
+
+__m256i load(const std::uint8_t* p) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)); }
+
+int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::int16_t* columns,
+             std::uint8_t* scores) {
+  std::ptrdiff_t offsets[16];
+  circle_offsets(stride, offsets);
+  const __m256i t = _mm256_set1_epi8(static_cast<char>(threshold));
+  const __m256i zero = _mm256_setzero_si256();
+  int n = 0;
+  int x = x0;
+  for (; x + 32 <= x1; x += 32) {
+    const std::uint8_t* p = row + x;
+    const __m256i c = load(p);
+    const __m256i above = _mm256_adds_epu8(c, t);
+    const __m256i below = _mm256_subs_epu8(c, t);
+    // "not brighter" and "not darker" of a circle pixel, as 0 / nonzero bytes
+    const auto excess = [&](int i) { return _mm256_subs_epu8(load(p + offsets[i]), above); };
+    const auto deficit = [&](int i) { return _mm256_subs_epu8(below, load(p + offsets[i])); };
+    // Nine contiguous pixels hold at least one of each opposite pair: reject by the four on the axes first.
+    const __m256i b = _mm256_and_si256(_mm256_cmpeq_epi8(_mm256_or_si256(excess(0), excess(8)), zero),
+                                       _mm256_cmpeq_epi8(_mm256_or_si256(deficit(0), deficit(8)), zero));
+    const __m256i a = _mm256_and_si256(_mm256_cmpeq_epi8(_mm256_or_si256(excess(4), excess(12)), zero),
+                                       _mm256_cmpeq_epi8(_mm256_or_si256(deficit(4), deficit(12)), zero));
+    if (_mm256_movemask_epi8(_mm256_or_si256(a, b)) == -1) continue;
+    // Lengths of the runs of brighter and of darker pixels, once and a half round.
+    __m256i run_b = zero;
+    __m256i run_d = zero;
+    __m256i longest = zero;
+    const __m256i one = _mm256_set1_epi8(1);
+    for (int k = 0; k < 24; ++k) {
+      const __m256i not_b = _mm256_cmpeq_epi8(excess(k & 15), zero);
+      const __m256i not_d = _mm256_cmpeq_epi8(deficit(k & 15), zero);
+      run_b = _mm256_andnot_si256(not_b, _mm256_add_epi8(run_b, one));
+      run_d = _mm256_andnot_si256(not_d, _mm256_add_epi8(run_d, one));
+      longest = _mm256_max_epu8(longest, _mm256_max_epu8(run_b, run_d));
+    }
+    unsigned corners = static_cast<unsigned>(_mm256_movemask_epi8(_mm256_cmpgt_epi8(longest, _mm256_set1_epi8(8))));
+    while (corners != 0) {
+      const int i = __builtin_ctz(corners);
+      corners &= corners - 1;
+      columns[n] = static_cast<std::int16_t>(x + i);
+      scores[n++] = static_cast<std::uint8_t>(fast_score(p + i, offsets));
+    }
+  }
+  if (x < x1) n += kReferenceKernels.fast_row(row, stride, x, x1, threshold, columns + n, scores + n);
+  return n;
+}
+
+void sad_row(const std::uint8_t* descriptor, const std::uint8_t* others, int count, int length, std::uint16_t* scores) {
+  const int blocks = (length + 31) / 32;
+  for (int j = 0; j < count; ++j) {
+    const std::uint8_t* other = others + static_cast<std::ptrdiff_t>(j) * kDescriptorStride;
+    __m256i sum = _mm256_setzero_si256();
+    for (int k = 0; k < blocks; ++k) {
+      sum = _mm256_add_epi64(sum, _mm256_sad_epu8(load(descriptor + 32 * k), load(other + 32 * k)));
+    }
+    const __m128i half = _mm_add_epi64(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
+    scores[j] = static_cast<std::uint16_t>(_mm_cvtsi128_si32(half) + _mm_extract_epi16(half, 4));
+  }
+}
+
+}  // namespace
+
+const Kernels kAvx2Kernels = {fast_row, sad_row};
+
+}  // namespace cliquevo::vo

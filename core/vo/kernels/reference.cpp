@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The plain meaning of every kernel.
+#include <cstdlib>
+
+#include "core/vo/kernels/fast_circle.h"
+#include "core/vo/kernels/tables.h"
+
+namespace cliquevo::vo {
+namespace {
+
+int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::int16_t* columns,
+             std::uint8_t* scores) {
+  std::ptrdiff_t offsets[16];
+  circle_offsets(stride, offsets);
+  int n = 0;
+  for (int x = x0; x < x1; ++x) {
+    const int score = fast_score(row + x, offsets);
+    if (score < threshold) continue;
+    columns[n] = static_cast<std::int16_t>(x);
+    scores[n++] = static_cast<std::uint8_t>(score);
+  }
+  return n;
+}
+
+void sad_row(const std::uint8_t* descriptor, const std::uint8_t* others, int count, int length, std::uint16_t* scores) {
+  for (int j = 0; j < count; ++j) {
+    const std::uint8_t* other = others + static_cast<std::ptrdiff_t>(j) * kDescriptorStride;
+    int sum = 0;
+    for (int i = 0; i < length; ++i) sum += std::abs(descriptor[i] - other[i]);
+    scores[j] = static_cast<std::uint16_t>(sum);
+  }
+}
+
+}  // namespace
+
+const Kernels kReferenceKernels = {fast_row, sad_row};
+
+}  // namespace cliquevo::vo

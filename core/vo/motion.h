@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Step A5: the rigid motion that minimises the two-way reprojection error.
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "core/base/camera_model.h"
+#include "core/base/rigid_transform.h"
+#include "core/vo/clique.h"
+#include "core/vo/vo_params.h"
+
+namespace cliquevo::vo {
+
+// Closed-form rigid alignment (Horn; by SVD) of the named pairs: T_a_b minimising sum w |a - T b|^2 with weights
+// 1 / z_b^4, since range errors grow with z^2. False when the points do not fix a rotation.
+bool align_points(const std::vector<PointPair>& pairs, const std::vector<int>& members, RigidTransform& T_a_b);
+
+// One feature seen in a reference frame r and in the current frame c: (u, v, disparity) in px in both. sigma_px is the
+// noise of the match between the two positions.
+struct Observation {
+  Eigen::Vector3d uvd_ref;
+  Eigen::Vector3d uvd_cur;
+  int reference = 0;  // which reference frame (index into `T_prev_ref`)
+  int feature = 0;    // caller's index
+  double sigma_px = 0.3;
+  double sigma_d_px = 1.0;
+  // written by the solver
+  bool inlier = true;
+  double squared_sigmas = 0.0;  // squared Mahalanobis distance, mean of both ways
+  // Reprojection error as a distance in the image, after the feature's depth took its most likely value: what an
+  // uncertain disparity explains is no error of the motion.
+  double error_px = 0.0;
+};
+
+struct Motion {
+  bool converged = false;
+  RigidTransform T_prev_cur;
+  Matrix6d covariance = Matrix6d::Identity();  // left perturbation [translation, rotation vector]
+  int inliers = 0;
+  double error_px = 0.0;  // RMS over the inliers
+};
+
+class MotionSolver {
+ public:
+  MotionSolver(const StereoModel& model, const VoParams& params);
+
+  // Levenberg-Marquardt with analytic Jacobians from `start` over all observations flagged as inliers, robust (Huber);
+  // then drop those beyond trim_sigmas, take in those within, and solve once more. T_prev_ref[k] places reference k in
+  // the previous camera's frame. Inlier flags and errors are written back.
+  Motion solve(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
+               const RigidTransform& start) const;
+
+ private:
+  struct Normal {
+    Matrix6d H;
+    Vector6d g;
+    double cost;
+  };
+  void minimise(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
+                RigidTransform& T, Normal& normal) const;
+  double accumulate(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
+                    const RigidTransform& T, Normal* normal) const;
+
+  StereoModel model_;
+  VoParams params_;
+};
+
+}  // namespace cliquevo::vo

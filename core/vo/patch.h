@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Sub-pixel alignment of image patches: efficient second-order minimisation (Malis 2004; Benhimane and Malis 2007) with
+// gain and bias, so that exposure changes do not move a feature.
+#pragma once
+
+#include "core/base/image.h"
+
+namespace cliquevo::vo {
+
+// Linear part of the warp from template to image: image = centre + A * (dx, dy).
+struct Warp {
+  float xx = 1.0F;
+  float xy = 0.0F;
+  float yx = 0.0F;
+  float yy = 1.0F;
+};
+
+struct PatchParams {
+  int radius = 4;              // patch side 2 r + 1, r <= 7
+  int iterations = 8;          // at most
+  double max_residual = 12.0;  // RMS grey levels after gain and bias
+  double max_shift_px = 4.0;   // from the start; farther is lost
+};
+
+enum class Freedom { row_only, both };
+
+struct PatchFit {
+  bool ok = false;
+  float x = 0.0F;  // where the template's centre is in the image
+  float y = 0.0F;
+  float residual = 0.0F;  // RMS grey levels
+};
+
+inline constexpr int kMaxPatchRadius = 7;
+inline constexpr int kMaxPatchSide = 2 * (kMaxPatchRadius + 1) + 1;
+
+// A patch cut from an image once, to be found in others: (2 (r + 1) + 1)^2 samples, the outermost for gradients.
+struct Template {
+  float samples[kMaxPatchSide * kMaxPatchSide];
+  int radius = 0;
+};
+
+// False when the patch does not lie inside the image.
+bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int radius, Template& out);
+
+// Finds the template in `image` near (x, y). Fails (ok = false) when it leaves the image, does not converge, drifts too
+// far, has no texture in the direction asked for, or fits badly.
+PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> image, float x, float y, const Warp& warp,
+                   Freedom freedom, const PatchParams& params);
+
+}  // namespace cliquevo::vo

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/vo/tracking.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cliquevo::vo {
+
+namespace {
+
+constexpr int kSlantRadius = 5;        // px, window in which the slant of the surface is measured
+constexpr double kSlantBand = 2.0;     // px, disparities farther from the feature's belong to something else
+constexpr double kMaxSlant = 0.8;      // change of disparity per px; steeper surfaces are not seen alike by both eyes
+constexpr double kMinDisparity = 0.1;  // px (with doffs): beyond, depth means nothing
+
+// Least-squares plane through the disparities around the feature.
+void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
+  double n = 0, sx = 0, sy = 0, sd = 0, sxx = 0, sxy = 0, syy = 0, sxd = 0, syd = 0;
+  for (int dy = -kSlantRadius; dy <= kSlantRadius; ++dy) {
+    for (int dx = -kSlantRadius; dx <= kSlantRadius; ++dx) {
+      const std::int16_t raw = disparity(f.x + dx, f.y + dy);
+      if (raw == kUnknownDisparity) continue;
+      const double d = raw / static_cast<double>(kDisparityScale) - f.disparity_px;
+      if (std::abs(d) > kSlantBand) continue;
+      n += 1;
+      sx += dx;
+      sy += dy;
+      sd += d;
+      sxx += dx * dx;
+      sxy += dx * dy;
+      syy += dy * dy;
+      sxd += dx * d;
+      syd += dy * d;
+    }
+  }
+  f.disparity_dx = f.disparity_dy = 0.0;
+  if (n < 30) return;
+  sxx -= sx * sx / n;
+  sxy -= sx * sy / n;
+  syy -= sy * sy / n;
+  sxd -= sx * sd / n;
+  syd -= sy * sd / n;
+  const double determinant = sxx * syy - sxy * sxy;
+  if (determinant < 1e-3 * sxx * syy) return;
+  f.disparity_dx = std::clamp((syy * sxd - sxy * syd) / determinant, -kMaxSlant, kMaxSlant);
+  f.disparity_dy = std::clamp((sxx * syd - sxy * sxd) / determinant, -kMaxSlant, kMaxSlant);
+}
+
+}  // namespace
+
+Tracker::Tracker(const StereoModel& model, const VoParams& params) : model_(model), params_(params) {
+  patch_.radius = params.refine_radius_px;
+  patch_.iterations = params.refine_iterations;
+  patch_.max_residual = params.refine_max_residual;
+  patch_.max_shift_px = params.refine_radius_px;
+}
+
+void Tracker::refine_disparities(ImageView<const std::int16_t> disparity, Frame& frame) const {
+  PatchParams patch = patch_;
+  patch.max_shift_px = 1.5;  // the block matcher is right to a pixel, or wrong altogether
+  Template t;
+  for (Feature& f : frame.features) {
+    measure_slant(disparity, f);
+    if (!cut_template(frame.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch.radius, t)) continue;
+    Warp warp;
+    warp.xx = static_cast<float>(1.0 - f.disparity_dx);
+    warp.xy = static_cast<float>(-f.disparity_dy);
+    const PatchFit fit = fit_patch(t, frame.right.cview(), static_cast<float>(f.x - f.disparity_px),
+                                   static_cast<float>(f.y), warp, Freedom::row_only, patch);
+    if (!fit.ok) continue;
+    const double d = f.x - static_cast<double>(fit.x);
+    if (d + model_.doffs_px < kMinDisparity) continue;
+    f.disparity_px = d;
+    f.point = model_.triangulate(f.x, f.y, d);
+  }
+}
+
+int Tracker::track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
+                   std::vector<Observation>& observations) const {
+  const RigidTransform T_cur_ref = T_ref_cur.inverse();
+  const double reach = params_.refine_radius_px;
+  int looked_for = 0;
+  Template t;
+  Template left;
+  PatchParams stereo_patch = patch_;
+  stereo_patch.max_shift_px = 2.0;
+  for (std::size_t i = 0; i < reference.features.size(); ++i) {
+    const Feature& f = reference.features[i];
+    const Eigen::Vector3d p = T_cur_ref * f.point;
+    if (p.z() < 0.05) continue;
+    const auto image_of = [&](const Eigen::Vector3d& q) {
+      return Eigen::Vector2d(model_.fx_px * q.x() / q.z() + model_.cx_px, model_.fy_px * q.y() / q.z() + model_.cy_px);
+    };
+    const Eigen::Vector2d uv = image_of(p);
+    if (uv.x() < reach || uv.y() < reach || uv.x() > model_.width - 1 - reach || uv.y() > model_.height - 1 - reach) {
+      continue;
+    }
+    ++looked_for;
+    // How the surface element is seen from the new place: two more of its points, moved likewise.
+    const double right_d = std::max(f.disparity_px + model_.doffs_px + reach * f.disparity_dx, kMinDisparity);
+    const double below_d = std::max(f.disparity_px + model_.doffs_px + reach * f.disparity_dy, kMinDisparity);
+    const Eigen::Vector3d right = T_cur_ref * model_.triangulate(f.x + reach, f.y, right_d - model_.doffs_px);
+    const Eigen::Vector3d below = T_cur_ref * model_.triangulate(f.x, f.y + reach, below_d - model_.doffs_px);
+    if (right.z() < 0.05 || below.z() < 0.05) continue;
+    const Eigen::Vector2d ax = (image_of(right) - uv) / reach;
+    const Eigen::Vector2d ay = (image_of(below) - uv) / reach;
+    const double area = ax.x() * ay.y() - ax.y() * ay.x();
+    if (!(area > 0.2 && area < 5.0)) continue;
+    Warp warp;
+    warp.xx = static_cast<float>(ax.x());
+    warp.yx = static_cast<float>(ax.y());
+    warp.xy = static_cast<float>(ay.x());
+    warp.yy = static_cast<float>(ay.y());
+    if (!cut_template(reference.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch_.radius, t)) {
+      continue;
+    }
+    const PatchFit fit = fit_patch(t, current.left.cview(), static_cast<float>(uv.x()), static_cast<float>(uv.y()),
+                                   warp, Freedom::both, patch_);
+    if (!fit.ok) continue;
+    if (!cut_template(current.left.cview(), fit.x, fit.y, patch_.radius, left)) continue;
+    const double expected_d = model_.fx_px * model_.baseline_m / p.z() - model_.doffs_px;
+    // Slant as seen from here: disparity goes with 1 / z, so with the ratio of the disparities over that of the
+    // lengths.
+    const double dx = (model_.fx_px * model_.baseline_m / right.z() - model_.doffs_px - expected_d) / reach;
+    const double dy = (model_.fx_px * model_.baseline_m / below.z() - model_.doffs_px - expected_d) / reach;
+    Warp shear;  // gradient of disparity in the new image = (dx, dy) * A^-1
+    shear.xx = static_cast<float>(1.0 - (dx * ay.y() - dy * ax.y()) / area);
+    shear.xy = static_cast<float>(-(dy * ax.x() - dx * ay.x()) / area);
+    const PatchFit stereo = fit_patch(left, current.right.cview(), fit.x - static_cast<float>(expected_d), fit.y, shear,
+                                      Freedom::row_only, stereo_patch);
+    if (!stereo.ok) continue;
+    const double d = static_cast<double>(fit.x) - static_cast<double>(stereo.x);
+    if (d + model_.doffs_px < kMinDisparity) continue;
+    Observation o;
+    o.uvd_ref = {static_cast<double>(f.x), static_cast<double>(f.y), f.disparity_px};
+    o.uvd_cur = {fit.x, fit.y, d};
+    o.reference = reference_index;
+    o.feature = static_cast<int>(i);
+    o.sigma_px = params_.sigma_px;
+    o.sigma_d_px = params_.disparity_sigma_px;
+    observations.push_back(o);
+  }
+  return looked_for;
+}
+
+}  // namespace cliquevo::vo

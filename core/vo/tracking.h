@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Guided tracking: with a first motion at hand, every feature of a reference is looked for where the motion puts it,
+// needing no corner in the new frame; position and disparity come out to a fraction of a pixel.
+#pragma once
+
+#include <vector>
+
+#include "core/base/camera_model.h"
+#include "core/vo/frame.h"
+#include "core/vo/motion.h"
+#include "core/vo/patch.h"
+#include "core/vo/vo_params.h"
+
+namespace cliquevo::vo {
+
+class Tracker {
+ public:
+  Tracker(const StereoModel& model, const VoParams& params);
+
+  // Replaces the block matcher's disparities of the frame's features by patch alignment between its two eyes, and
+  // measures the slant of the surface around each. Features whose patches do not fit keep the block matcher's value.
+  void refine_disparities(ImageView<const std::int16_t> disparity, Frame& frame) const;
+
+  // Appends an observation for each feature of `reference` that is found in `current`; returns how many could be looked
+  // for (projected into the image).
+  int track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
+            std::vector<Observation>& observations) const;
+
+ private:
+  StereoModel model_;
+  VoParams params_;
+  PatchParams patch_;
+};
+
+}  // namespace cliquevo::vo

@@ -1,0 +1,206 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/vo/visual_odometry.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/vo/estimator.h"
+
+namespace cliquevo::vo {
+
+const char* status_name(Status status) {
+  switch (status) {
+    case Status::no_data:
+      return "no data";
+    case Status::valid:
+      return "valid";
+    case Status::too_few_features:
+      return "too few features";
+    case Status::degenerate:
+      return "degenerate";
+    case Status::reprojection_error:
+      return "reprojection error";
+    case Status::ambiguous:
+      return "ambiguous";
+  }
+  return "unknown";
+}
+
+struct VisualOdometry::Impl {
+  Impl(const StereoModel& model_, const VoParams& params_)
+      : model(model_),
+        params(params_),
+        detector(model_, params_),
+        tracker(model_, params_),
+        estimator(model_, params_) {
+    for (int i = 0; i < 4; ++i) frames.emplace_back(std::make_unique<Frame>(params));
+  }
+
+  Result<void> check(const FrameInput& input) const;
+  void load(const FrameInput& input);
+  void accept(const Comparison& comparison, const Frame& reference);
+  void carry_on();
+  Frame* spare();
+
+  StereoModel model;
+  VoParams params;
+  FeatureDetector detector;
+  Tracker tracker;
+  Estimator estimator;
+  Image<std::uint8_t> mask;
+  std::vector<std::unique_ptr<Frame>> frames;
+  Frame* current = nullptr;
+  Frame* valid = nullptr;       // last frame with a valid estimate (or the first one)
+  Frame* key = nullptr;         // kept reference
+  Frame* failed = nullptr;      // last frame, where its estimate failed
+  RigidTransform velocity;      // motion over the last valid interval ...
+  TimestampNs velocity_ns = 0;  // ... and its length
+  Matrix6d guess_covariance = Matrix6d::Zero();
+  Estimate estimate;
+};
+
+Result<void> VisualOdometry::Impl::check(const FrameInput& input) const {
+  const auto fits = [&](const auto& view) { return !view.empty() && view.same_size(model.width, model.height); };
+  if (!fits(input.left) || !fits(input.right) || !fits(input.filtered_left) || !fits(input.disparity)) {
+    return Error{"unusable frame", "an image is empty or not of the calibration's size",
+                 "hand over left, right, filtered and disparity images of the stereo model's size"};
+  }
+  const TimestampNs last_ns =
+      failed != nullptr ? failed->stamp_ns : (valid != nullptr ? valid->stamp_ns : input.stamp_ns - 1);
+  if (input.stamp_ns <= last_ns) {
+    return Error{"unusable frame", "its time stamp does not advance",
+                 "hand over frames in the order of their exposure"};
+  }
+  return {};
+}
+
+// Step A2: features of the new frame, their depth and descriptors.
+void VisualOdometry::Impl::load(const FrameInput& input) {
+  current = spare();
+  current->stamp_ns = input.stamp_ns;
+  current->left.copy_from(input.left);
+  current->right.copy_from(input.right);
+  detector.detect(params.corner_image == CornerImage::filtered ? input.filtered_left : input.left, input.disparity,
+                  mask.cview(), current->features);
+  current->descriptors.extract(input.filtered_left, current->features, params.descriptor_window);
+  if (params.refine) tracker.refine_disparities(input.disparity, *current);
+}
+
+Frame* VisualOdometry::Impl::spare() {
+  for (const auto& frame : frames) {
+    if (frame.get() != valid && frame.get() != key && frame.get() != failed) return frame.get();
+  }
+  return nullptr;  // four frames serve three roles: one is always free
+}
+
+void VisualOdometry::Impl::accept(const Comparison& c, const Frame& reference) {
+  const RigidTransform T_valid_ref = valid->T_world_camera.inverse() * reference.T_world_camera;
+  current->T_world_camera = (reference.T_world_camera * c.motion.T_prev_cur).normalized();
+  estimate.T_prev_cur = T_valid_ref * c.motion.T_prev_cur;
+  estimate.covariance = c.motion.covariance;
+  if (&reference != valid) {
+    const Matrix6d A = adjoint(T_valid_ref);
+    estimate.covariance = guess_covariance + A * c.motion.covariance * A.transpose();
+  }
+  estimate.status = Status::valid;
+  velocity = estimate.T_prev_cur;
+  velocity_ns = current->stamp_ns - valid->stamp_ns;
+  const bool lost_overlap = !params.use_key_frame || c.key_overlap < params.key_frame_overlap;
+  if (lost_overlap || &reference != valid) key = current;
+  valid = current;
+  failed = nullptr;
+}
+
+// A failed frame: the pose moves on by the stated guess, and the next attempt may start from here.
+void VisualOdometry::Impl::carry_on() {
+  const Frame& last = failed != nullptr ? *failed : *valid;
+  RigidTransform step;
+  if (params.after_failure == AfterFailure::constant_velocity && velocity_ns > 0) {
+    const double share = static_cast<double>(current->stamp_ns - last.stamp_ns) / static_cast<double>(velocity_ns);
+    step.R = so3_exp(share * so3_log(velocity.R));
+    step.t = share * velocity.t;
+  }
+  current->T_world_camera = (last.T_world_camera * step).normalized();
+  // As uncertain as if the vehicle had stopped, or gone twice as fast.
+  const double moved = std::max(0.05, step.t.norm());
+  const double turned = std::max(0.01, step.angle());
+  Vector6d variance;
+  variance << Eigen::Vector3d::Constant(moved * moved), Eigen::Vector3d::Constant(turned * turned);
+  if (failed == nullptr) guess_covariance.setZero();
+  guess_covariance.diagonal() += variance;
+  estimate.T_prev_cur = {};
+  estimate.covariance = guess_covariance;
+  failed = current;
+}
+
+Result<VisualOdometry> VisualOdometry::make(const StereoModel& model, const VoParams& params) {
+  if (auto ok = model.check(); !ok) return ok.error();
+  if (auto ok = params.check(); !ok) return ok.error();
+  return VisualOdometry(std::make_unique<Impl>(model, params));
+}
+
+VisualOdometry::VisualOdometry(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+VisualOdometry::VisualOdometry(VisualOdometry&&) noexcept = default;
+VisualOdometry& VisualOdometry::operator=(VisualOdometry&&) noexcept = default;
+VisualOdometry::~VisualOdometry() = default;
+
+Result<void> VisualOdometry::set_mask(ImageView<const std::uint8_t> left_mask) {
+  if (left_mask.empty()) {
+    impl_->mask = {};
+  } else if (left_mask.same_size(impl_->model.width, impl_->model.height)) {
+    impl_->mask.copy_from(left_mask);
+  } else {
+    return Error{"unusable mask", "its size is not the rectified image's", "rectify the mask with the images"};
+  }
+  return {};
+}
+
+Result<void> VisualOdometry::process(const FrameInput& input) {
+  Impl& s = *impl_;
+  if (auto ok = s.check(input); !ok) return ok;
+  const std::int64_t start_ns = monotonic_ns();
+  Estimate& e = s.estimate;
+  e = {};
+  s.load(input);
+  e.stamp_ns = input.stamp_ns;
+  e.features = static_cast<int>(s.current->features.size());
+  e.times.features_ns = monotonic_ns() - start_ns;
+  if (s.valid == nullptr) {
+    e.prev_stamp_ns = input.stamp_ns;
+    s.current->T_world_camera = {};
+    s.valid = s.key = s.current;
+  } else {
+    e.prev_stamp_ns = s.valid->stamp_ns;
+    const Frame* reference = s.valid;
+    Comparison c = s.estimator.compare(*reference, s.key, *s.current, e.times);
+    if (c.status != Status::valid && s.failed != nullptr) {
+      reference = s.failed;
+      c = s.estimator.compare(*reference, nullptr, *s.current, e.times);
+    }
+    e.status = c.status;
+    e.matches = c.matches;
+    e.clique = c.clique;
+    e.inliers = c.motion.inliers;
+    e.reprojection_error_px = c.motion.error_px;
+    e.eigenvalue_ratio = c.eigenvalue_ratio;
+    if (c.status == Status::valid) {
+      s.accept(c, *reference);
+    } else {
+      s.carry_on();
+    }
+  }
+  e.T_world_camera = s.current->T_world_camera;
+  e.times.total_ns = monotonic_ns() - start_ns;
+  return {};
+}
+
+const Estimate& VisualOdometry::estimate() const { return impl_->estimate; }
+
+void VisualOdometry::reset() {
+  impl_->valid = impl_->key = impl_->failed = nullptr;
+  impl_->velocity_ns = 0;
+  impl_->estimate = {};
+}
+
+}  // namespace cliquevo::vo
