@@ -48,7 +48,11 @@ bool align_points(const std::vector<PointPair>& pairs, const std::vector<int>& m
   Eigen::Vector3d mean_a = Eigen::Vector3d::Zero();
   Eigen::Vector3d mean_b = Eigen::Vector3d::Zero();
   double total = 0.0;
-  const auto weight = [](const PointPair& p) { return 1.0 / (p.b.z() * p.b.z() * p.b.z() * p.b.z()); };
+  const auto weight = [](const PointPair& p) {
+    const double a2 = p.a.z() * p.a.z();
+    const double b2 = p.b.z() * p.b.z();
+    return 1.0 / (a2 * a2 + b2 * b2);
+  };
   for (const int i : members) {
     const PointPair& p = pairs[static_cast<std::size_t>(i)];
     const double w = weight(p);
@@ -81,6 +85,9 @@ double MotionSolver::accumulate(std::vector<Observation>& observations, const st
   if (normal != nullptr) {
     normal->H.setZero();
     normal->g.setZero();
+    normal->offset_h.setZero();
+    normal->offset_hh = 0.0;
+    normal->offset_g = 0.0;
   }
   for (Observation& o : observations) {
     const RigidTransform& T_prev = T_prev_ref[static_cast<std::size_t>(o.reference)];
@@ -131,6 +138,15 @@ double MotionSolver::accumulate(std::vector<Observation>& observations, const st
     normal->H.noalias() += A_ref.transpose() * WA_ref;
     normal->g.noalias() += WA_cur.transpose() * e_cur;
     normal->g.noalias() += WA_ref.transpose() * e_ref;
+    // The same for an error common to all disparities: taking it off moves the observation and the prediction.
+    const Eigen::Vector3d a_cur = Eigen::Vector3d::UnitZ() - j_cur;
+    const Eigen::Vector3d a_ref = Eigen::Vector3d::UnitZ() - j_ref;
+    const Eigen::Vector3d Wa_cur = (0.5 * weight) * (W_cur * a_cur);
+    const Eigen::Vector3d Wa_ref = (0.5 * weight) * (W_ref * a_ref);
+    normal->offset_h.noalias() += A_cur.transpose() * Wa_cur;
+    normal->offset_h.noalias() += A_ref.transpose() * Wa_ref;
+    normal->offset_hh += a_cur.dot(Wa_cur) + a_ref.dot(Wa_ref);
+    normal->offset_g += Wa_cur.dot(e_cur) + Wa_ref.dot(e_ref);
   }
   if (normal != nullptr) normal->cost = cost;
   return cost;
@@ -185,6 +201,10 @@ Motion MotionSolver::solve(std::vector<Observation>& observations, const std::ve
   out.error_px = std::sqrt(sum / out.inliers);
   const Eigen::LDLT<Matrix6d> solver(normal.H);
   out.covariance = solver.solve(Matrix6d::Identity());
+  out.offset_information = normal.offset_hh - normal.offset_h.dot(solver.solve(normal.offset_h));
+  if (out.offset_information > 0.0) {
+    out.offset_px = (normal.offset_g - normal.offset_h.dot(solver.solve(normal.g))) / out.offset_information;
+  }
   out.T_prev_cur = T.normalized();
   out.converged = T.is_finite() && out.covariance.allFinite() && solver.isPositive();
   return out;

@@ -14,7 +14,7 @@
 namespace cliquevo::vo {
 
 // Closed-form rigid alignment (Horn; by SVD) of the named pairs: T_a_b minimising sum w |a - T b|^2 with weights
-// 1 / z_b^4, since range errors grow with z^2. False when the points do not fix a rotation.
+// 1 / (z_a^4 + z_b^4), since range errors grow with z^2. False when the points do not fix a rotation.
 bool align_points(const std::vector<PointPair>& pairs, const std::vector<int>& members, RigidTransform& T_a_b);
 
 // One feature seen in a reference frame r and in the current frame c: (u, v, disparity) in px in both. sigma_px is the
@@ -40,6 +40,9 @@ struct Motion {
   Matrix6d covariance = Matrix6d::Identity();  // left perturbation [translation, rotation vector]
   int inliers = 0;
   double error_px = 0.0;  // RMS over the inliers
+  // By how much all disparities seem too large, and the inverse variance of that; the motion's own share taken out.
+  double offset_px = 0.0;
+  double offset_information = 0.0;
 };
 
 class MotionSolver {
@@ -57,6 +60,9 @@ class MotionSolver {
     Matrix6d H;
     Vector6d g;
     double cost;
+    Vector6d offset_h;  // and for a common error of all disparities
+    double offset_hh;
+    double offset_g;
   };
   void minimise(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
                 RigidTransform& T, Normal& normal) const;

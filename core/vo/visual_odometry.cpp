@@ -184,6 +184,8 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     e.inliers = c.motion.inliers;
     e.reprojection_error_px = c.motion.error_px;
     e.eigenvalue_ratio = c.eigenvalue_ratio;
+    e.disparity_offset_px = c.motion.offset_px;
+    e.disparity_offset_information = c.motion.offset_information;
     if (c.status == Status::valid) {
       s.accept(c, *reference);
     } else {

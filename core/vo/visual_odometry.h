@@ -60,6 +60,10 @@ struct Estimate {
   int inliers = 0;                     // that the final solution rests on
   double reprojection_error_px = 0.0;  // RMS over the inliers
   double eigenvalue_ratio = 0.0;       // spread of the inliers in the image, 0 (a line) to 1 (round)
+  // What this frame alone says of an error common to all disparities: how much they seem too large, and the inverse
+  // variance of that figure by noise alone (0: says nothing).
+  double disparity_offset_px = 0.0;
+  double disparity_offset_information = 0.0;
   StepTimes times;
 };
 
