@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The configuration file (config/cliquevo.yaml): every key has a default; an unknown key is an error with file and
-// line.
+// line. config_keys.h holds the table of keys.
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Core>
 
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
@@ -29,18 +33,35 @@ struct LcmConfig {
   std::string status_channel = "VO_STATUS";
 };
 
+// How the camera sits on the vehicle: rectified left camera in the body frame (X forward, Y left, Z up). All zero: at
+// the body's origin, level, looking forward. Angles turn about the body's axes by the right hand, roll first, yaw last:
+// a positive pitch looks down, a positive yaw to the left.
+struct Mounting {
+  Eigen::Vector3d translation_m = Eigen::Vector3d::Zero();
+  Eigen::Vector3d roll_pitch_yaw_deg = Eigen::Vector3d::Zero();
+
+  RigidTransform T_body_camera() const;
+};
+
 struct Config {
   SourceConfig source;
   stereo::StereoParams stereo;
   vo::VoParams odometry;
   LcmConfig lcm;
-  RigidTransform T_body_camera;  // mounting: rectified left camera in the body frame (X forward, Y left, Z up)
+  Mounting body;
+  RigidTransform T_body_camera;    // of `body`
+  std::string log_level = "info";  // trace, debug, info, warn, error
 
+  // An error's `where` begins with the key at fault, as in the file: "stereo.window = 4".
   Result<void> check() const;
 };
 
-// The compiled defaults, with T_body_camera = camera looking forward, level, at the body's origin.
+// The compiled defaults.
 Config default_config();
+// The defaults with what the file says. Relative paths in it start from the file's own folder.
 Result<Config> read_config(const std::string& path);
+
+// Every key with its value as the file would have it, in the file's order.
+std::vector<std::pair<std::string, std::string>> list_config(const Config& config);
 
 }  // namespace cliquevo::daemon

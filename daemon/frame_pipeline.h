@@ -30,13 +30,15 @@ class FramePipeline {
   FramePipeline& operator=(FramePipeline&&) noexcept;
   ~FramePipeline();
 
-  // An Error names unusable input (unequal sizes ...); the state is as before.
+  // An Error names unusable input (unequal sizes ...); the state is as before. Allocates nothing after the first
+  // frames.
   Result<void> process(const drivers::StereoPair& pair);
   const vo::Estimate& estimate() const;
   const StageTimes& times() const;
   const StereoModel& model() const;
   // Of the last frame, valid until the next process().
   ImageView<const std::uint8_t> rectified_left() const;
+  ImageView<const std::uint8_t> rectified_right() const;
   ImageView<const std::int16_t> disparity() const;
 
  private:

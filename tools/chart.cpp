@@ -185,10 +185,11 @@ Layout lay_out(const Chart& chart, cv::Rect2d area_px, double left_px) {
       out.y.include(p.y);
     }
   }
-  if (chart.y_from_zero) out.y.include(0.0);
+  if (chart.from_zero) out.x.include(0.0);
+  if (chart.from_zero) out.y.include(0.0);
   out.x.widen(chart.equal_aspect ? 0.06 : 0.0, 1e-3);
   out.y.widen(0.06, 1e-3);
-  if (chart.y_from_zero) out.y.low = 0.0;
+  if (chart.from_zero) out.y.low = 0.0;
   if (chart.equal_aspect) equalise(out.x, out.y, out.plot.width, out.plot.height);
   // About one tick per 90 px across and 60 px up; squares where the axes are equal.
   const int across = std::max(2, static_cast<int>(out.plot.width / s / 90));

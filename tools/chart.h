@@ -25,8 +25,8 @@ struct Chart {
   std::string title;
   std::string x_label;
   std::string y_label;
-  bool equal_aspect = false;  // one metre is as long on both axes
-  bool y_from_zero = false;
+  bool equal_aspect = false;   // one metre is as long on both axes
+  bool from_zero = false;      // both axes
   std::vector<Series> series;  // drawn in order
 };
 

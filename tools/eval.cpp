@@ -10,6 +10,7 @@
 #include "tools/commands.h"
 #include "tools/evaluation.h"
 #include "tools/exit_code.h"
+#include "tools/output_file.h"
 #include "tools/plot.h"
 
 namespace cliquevo::tools {
@@ -105,14 +106,15 @@ void warn_of_other_axes(const EvalArguments& arguments, const daemon::Trajectory
        fmt::format("only the ATE can be trusted; try --reference-frame {}", arguments.body_frame ? "camera" : "body")});
 }
 
-Result<void> draw(const EvalArguments& arguments, const daemon::Trajectory& estimate,
+Result<void> draw(OutputFile& file, const EvalArguments& arguments, const daemon::Trajectory& estimate,
                   const std::vector<PosePair>& pairs) {
   RunPicture picture;
   picture.title = std::filesystem::path(arguments.estimate).filename().string();
   for (const daemon::StampedPose& pose : estimate.poses) picture.trajectory.push_back(pose.T_world_camera);
   picture.pairs = pairs;
   picture.align = estimate.format == daemon::TrajectoryFormat::tum;
-  return write_plot(arguments.plot, picture);
+  const auto png = draw_plot(picture);
+  return png ? file.write(*png) : png.error();
 }
 
 int run_eval(const EvalArguments& arguments) {
@@ -136,7 +138,9 @@ int run_eval(const EvalArguments& arguments) {
   }
   warn_of_other_axes(arguments, *reference, *estimate, options, result);
   if (!arguments.plot.empty()) {
-    if (auto drawn = draw(arguments, *estimate, *pairs); !drawn) return report(drawn.error());
+    auto file = OutputFile::open(arguments.plot, "plot");
+    if (!file) return report(file.error());
+    if (auto drawn = draw(*file, arguments, *estimate, *pairs); !drawn) return report(drawn.error());
   }
   return kDone;
 }

@@ -30,10 +30,8 @@ int run(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 asked-for strictness not met.\n"
       "`cliquevo COMMAND --help` tells each command's options, with examples.");
-#ifdef CLIQUEVO_HAVE_PIPELINE
   add_replay_command(app, exit_code);
   add_disparity_command(app, exit_code);
-#endif
   add_eval_command(app, exit_code);
 #ifdef CLIQUEVO_HAVE_SIMULATE
   add_simulate_command(app, exit_code);

@@ -2,10 +2,6 @@
 #include "tools/plot.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
 
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
@@ -104,7 +100,7 @@ Chart error_chart(const Comparison& comparison, bool aligned) {
   chart.title = aligned ? "Position error after alignment" : "Position error";
   chart.x_label = "distance travelled [m]";
   chart.y_label = "error [m]";
-  chart.y_from_zero = true;
+  chart.from_zero = true;
   Series error{"", {}, kBlue, 2.0, Mark::none, 0.0, false};
   for (std::size_t i = 0; i < comparison.error_m.size(); ++i) {
     error.points.emplace_back(comparison.distance_m[i], comparison.error_m[i]);
@@ -119,7 +115,7 @@ Chart inlier_chart(const RunPicture& run) {
   chart.title = "Features that carry the motion";
   chart.x_label = "distance travelled [m]";
   chart.y_label = "inliers";
-  chart.y_from_zero = true;
+  chart.from_zero = true;
   Series inliers{"", {}, kGreen, 1.5, Mark::none, 0.0, false};
   for (std::size_t i = 1; i < run.inliers.size(); ++i) inliers.points.emplace_back(distance_m[i], run.inliers[i]);
   chart.series.push_back(std::move(inliers));
@@ -152,23 +148,10 @@ Chart height_chart(const RunPicture& run, const Comparison& comparison) {
   return chart;
 }
 
-Result<void> write_png(const std::string& path, const cv::Mat& picture) {
-  std::vector<unsigned char> bytes;
-  cv::imencode(".png", picture, bytes);
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  const std::unique_ptr<std::FILE, Close> file(std::fopen(path.c_str(), "wb"));
-  if (!file || std::fwrite(bytes.data(), 1, bytes.size(), file.get()) != bytes.size() || std::fflush(file.get()) != 0) {
-    return Error{"cannot write plot", path, fmt::format("{}; name a file that can be created", std::strerror(errno))};
-  }
-  return {};
-}
-
 }  // namespace
 
-Result<void> write_plot(const std::string& path, const RunPicture& run) {
-  if (run.trajectory.empty()) return Error{"cannot draw plot", path, "no frame was processed"};
+Result<std::vector<unsigned char>> draw_plot(const RunPicture& run) {
+  if (run.trajectory.empty()) return Error{"cannot draw plot", run.title, "no frame was processed"};
   const Comparison comparison = compare(run);
   const bool referenced = !run.pairs.empty();
   const bool inliers = run.inliers.size() == run.trajectory.size();
@@ -185,7 +168,9 @@ Result<void> write_plot(const std::string& path, const RunPicture& run) {
   for (std::size_t i = 0; i < beside.size(); ++i) {
     figure.draw(beside[i], {kMap + 16, kHeader + height * static_cast<double>(i), kWidth - kMap - 24, height});
   }
-  return write_png(path, figure.render());
+  std::vector<unsigned char> png;
+  cv::imencode(".png", figure.render(), png);
+  return png;
 }
 
 }  // namespace cliquevo::tools

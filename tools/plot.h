@@ -20,7 +20,7 @@ struct RunPicture {
   bool align = false;                      // fit the reference rigidly instead of putting first poses onto each other
 };
 
-// Writes a PNG of 1600 x 760 px.
-Result<void> write_plot(const std::string& path, const RunPicture& run);
+// The bytes of a PNG of 1600 x 760 px.
+Result<std::vector<unsigned char>> draw_plot(const RunPicture& run);
 
 }  // namespace cliquevo::tools

@@ -4,6 +4,7 @@
 #include <opencv2/imgcodecs.hpp>
 
 #include "tests/support/test_data.h"
+#include "tools/output_file.h"
 
 namespace cliquevo::tools {
 namespace {
@@ -20,10 +21,9 @@ RunPicture arc() {
 }
 
 cv::Mat drawn(const RunPicture& run) {
-  const std::string path = test::scratch_dir() + "/plot.png";
-  const auto written = write_plot(path, run);
-  EXPECT_TRUE(written.ok()) << written.error().line();
-  return cv::imread(path);
+  const auto png = draw_plot(run);
+  EXPECT_TRUE(png.ok());
+  return cv::imdecode(*png, cv::IMREAD_COLOR);
 }
 
 int reddish(const cv::Mat& picture) {
@@ -52,9 +52,13 @@ TEST(Plot, AReferenceChangesThePicture) {
   EXPECT_GT(cv::norm(without, drawn(run), cv::NORM_L1), 1e5);
 }
 
-TEST(Plot, NothingToDrawAndNoPlaceToWriteAreErrors) {
-  EXPECT_FALSE(write_plot(test::scratch_dir() + "/plot.png", {}).ok());
-  EXPECT_FALSE(write_plot("/nowhere/plot.png", arc()).ok());
+TEST(Plot, NothingToDrawIsAnError) { EXPECT_FALSE(draw_plot({}).ok()); }
+
+TEST(OutputFile, AnImpossiblePathShowsAtOnceAndAFullDiskAtTheEnd) {
+  EXPECT_FALSE(OutputFile::open("/nowhere/plot.png", "plot").ok());
+  auto full = OutputFile::open("/dev/full", "plot");
+  ASSERT_TRUE(full.ok());
+  EXPECT_FALSE(full->write(std::string("x")).ok());
 }
 
 }  // namespace

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The keys of the configuration file, one line each: where a key's value lives. What reads, lists or checks the
+// configuration goes over this table; config/cliquevo.yaml must have the same keys (a test compares them).
+#pragma once
+
+#include "daemon/config.h"
+
+namespace cliquevo::daemon {
+
+// Calls key(path, value) for every key, file(path, value) for those that name a file or folder, and
+// choice(path, value, {{"name", value}, ...}) for those that pick one of a few. C is Config or const Config.
+template <typename C, typename Visitor>
+void visit_config_keys(C& c, Visitor& v) {
+  v.choice("source.type", c.source.type, {{"simulator", "simulator"}, {"recording", "recording"}});
+  v.choice("source.loop", c.source.loop, {{"none", "none"}, {"pingpong", "pingpong"}});
+  v.key("source.speed", c.source.speed);
+
+  auto& recording = c.source.recording;
+  v.file("source.recording.path", recording.path);
+  v.file("source.recording.calibration", recording.calibration);
+  v.key("source.recording.rate_hz", recording.rate_hz);
+  v.key("source.recording.first", recording.first);
+  v.key("source.recording.last", recording.last);
+  v.key("source.recording.every", recording.every);
+  v.key("source.recording.pair_tolerance_s", recording.pair_tolerance_s);
+  v.file("source.recording.left_mask", recording.left_mask);
+  v.file("source.recording.right_mask", recording.right_mask);
+
+  auto& simulator = c.source.simulator;
+  v.key("source.simulator.width", simulator.width);
+  v.key("source.simulator.height", simulator.height);
+  v.key("source.simulator.focal_px", simulator.focal_px);
+  v.key("source.simulator.baseline_m", simulator.baseline_m);
+  v.key("source.simulator.camera_height_m", simulator.camera_height_m);
+  v.key("source.simulator.pitch_deg", simulator.pitch_deg);
+  v.key("source.simulator.raw", simulator.raw);
+  v.key("source.simulator.misalign_right_deg", simulator.misalign_right_deg);
+  v.key("source.simulator.course", simulator.course);
+  v.key("source.simulator.frames", simulator.frames);
+  v.key("source.simulator.step_m", simulator.step_m);
+  v.key("source.simulator.rate_hz", simulator.rate_hz);
+  v.key("source.simulator.every", simulator.every);
+  v.key("source.simulator.world_seed", simulator.world_seed);
+  v.key("source.simulator.rocks", simulator.rocks);
+  v.key("source.simulator.movers", simulator.movers);
+  v.key("source.simulator.shadow", simulator.shadow);
+  v.key("source.simulator.noise_seed", simulator.noise_seed);
+  v.key("source.simulator.noise_sigma", simulator.noise_sigma);
+  v.key("source.simulator.shot_noise", simulator.shot_noise);
+  v.key("source.simulator.motion_blur", simulator.motion_blur);
+  v.key("source.simulator.exposure_changes", simulator.exposure_changes);
+  v.key("source.simulator.cache_dir", simulator.cache_dir);
+  v.key("source.simulator.workers", simulator.workers);
+
+  auto& stereo = c.stereo;
+  v.choice("stereo.prefilter", stereo.prefilter,
+           {{"none", stereo::Prefilter::none}, {"xsobel", stereo::Prefilter::xsobel}});
+  v.key("stereo.prefilter_cap", stereo.prefilter_cap);
+  v.key("stereo.window", stereo.window);
+  v.key("stereo.min_disparity", stereo.min_disparity);
+  v.key("stereo.num_disparities", stereo.num_disparities);
+  v.key("stereo.uniqueness_percent", stereo.uniqueness_percent);
+  v.key("stereo.texture_threshold", stereo.texture_threshold);
+  v.key("stereo.left_right_tolerance", stereo.left_right_tolerance);
+  v.key("stereo.speckle_size", stereo.speckle_size);
+  v.key("stereo.speckle_range", stereo.speckle_range);
+  v.key("stereo.workers", stereo.workers);
+
+  auto& odometry = c.odometry;
+  v.key("odometry.max_features", odometry.max_features);
+  v.key("odometry.cell_px", odometry.cell_px);
+  v.key("odometry.corner_threshold", odometry.corner_threshold);
+  v.key("odometry.min_corner_threshold", odometry.min_corner_threshold);
+  v.choice("odometry.corner_image", odometry.corner_image,
+           {{"filtered", vo::CornerImage::filtered}, {"intensity", vo::CornerImage::intensity}});
+  v.key("odometry.descriptor_window", odometry.descriptor_window);
+  v.choice("odometry.consistency", odometry.consistency,
+           {{"fixed", vo::Consistency::fixed}, {"range_aware", vo::Consistency::range_aware}});
+  v.key("odometry.consistency_delta_m", odometry.consistency_delta_m);
+  v.key("odometry.consistency_sigmas", odometry.consistency_sigmas);
+  v.key("odometry.match_sigma_px", odometry.match_sigma_px);
+  v.key("odometry.match_disparity_sigma_px", odometry.match_disparity_sigma_px);
+  v.key("odometry.refine", odometry.refine);
+  v.key("odometry.refine_radius_px", odometry.refine_radius_px);
+  v.key("odometry.refine_iterations", odometry.refine_iterations);
+  v.key("odometry.refine_max_residual", odometry.refine_max_residual);
+  v.key("odometry.sigma_px", odometry.sigma_px);
+  v.key("odometry.disparity_sigma_px", odometry.disparity_sigma_px);
+  v.key("odometry.use_key_frame", odometry.use_key_frame);
+  v.key("odometry.key_frame_overlap", odometry.key_frame_overlap);
+  v.key("odometry.solver_iterations", odometry.solver_iterations);
+  v.key("odometry.huber_sigmas", odometry.huber_sigmas);
+  v.key("odometry.trim_sigmas", odometry.trim_sigmas);
+  v.key("odometry.min_inliers", odometry.min_inliers);
+  v.key("odometry.min_eigenvalue_ratio", odometry.min_eigenvalue_ratio);
+  v.key("odometry.max_reprojection_error_px", odometry.max_reprojection_error_px);
+  v.choice("odometry.after_failure", odometry.after_failure,
+           {{"hold", vo::AfterFailure::hold}, {"constant_velocity", vo::AfterFailure::constant_velocity}});
+
+  v.key("lcm.url", c.lcm.url);
+  v.key("lcm.delta_channel", c.lcm.delta_channel);
+  v.key("lcm.pose_channel", c.lcm.pose_channel);
+  v.key("lcm.status_channel", c.lcm.status_channel);
+
+  v.key("body.translation_m", c.body.translation_m);
+  v.key("body.roll_pitch_yaw_deg", c.body.roll_pitch_yaw_deg);
+
+  v.choice("log.level", c.log_level,
+           {{"trace", "trace"}, {"debug", "debug"}, {"info", "info"}, {"warn", "warn"}, {"error", "error"}});
+}
+
+}  // namespace cliquevo::daemon

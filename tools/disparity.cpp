@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo disparity: the dense stereo stage on one rectified pair.
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "core/base/time.h"
+#include "drivers/recording/image_reader.h"
+#include "stereo/dense_stereo.h"
+#include "tools/commands.h"
+#include "tools/exit_code.h"
+#include "tools/output_file.h"
+
+namespace cliquevo::tools {
+
+namespace {
+
+constexpr int kFileScale = 256;  // the file's units a px
+constexpr int kMostDisparities = 256;
+
+struct DisparityArguments {
+  std::string left;
+  std::string right;
+  std::string out;
+  std::string color;
+  int max_disparity = 128;
+};
+
+struct Pair {
+  Image<std::uint8_t> left;
+  Image<std::uint8_t> right;
+};
+
+Result<Pair> read_pair(const DisparityArguments& arguments) {
+  Pair pair;
+  drivers::ImageReader reader;
+  if (auto ok = reader.read(arguments.left, pair.left); !ok) return ok.error();
+  if (auto ok = reader.read(arguments.right, pair.right); !ok) return ok.error();
+  if (!pair.right.cview().same_size(pair.left.width(), pair.left.height())) {
+    return Error{"images of unequal size", arguments.right,
+                 fmt::format("it is {}x{}, the left one {}x{}: give a rectified pair", pair.right.width(),
+                             pair.right.height(), pair.left.width(), pair.left.height())};
+  }
+  return pair;
+}
+
+Result<Image<std::int16_t>> match(const Pair& pair, int max_disparity) {
+  stereo::StereoParams params;
+  params.min_disparity = 0;
+  params.num_disparities = (max_disparity + 15) / 16 * 16;  // the kernels' step
+  const int width = pair.left.width();
+  const int height = pair.left.height();
+  auto dense = stereo::DenseStereo::make(params, width, height);
+  if (!dense) return dense.error();
+  Image<std::uint8_t> filtered(width, height);
+  Image<std::int16_t> disparity(width, height);
+  if (auto ok = dense->compute(pair.left.cview(), pair.right.cview(), filtered.view(), disparity.view()); !ok) {
+    return ok.error();
+  }
+  return disparity;
+}
+
+// 16 bit, px * 256, 0 = unknown (and nearer than infinity only: d <= 0 is unknown).
+cv::Mat to_file_units(ImageView<const std::int16_t> disparity, int max_disparity) {
+  cv::Mat out(disparity.height, disparity.width, CV_16UC1);
+  for (int y = 0; y < disparity.height; ++y) {
+    auto* row = out.ptr<std::uint16_t>(y);
+    for (int x = 0; x < disparity.width; ++x) {
+      const int d = disparity(x, y);  // kUnknownDisparity is below zero
+      const bool known = d > 0 && d <= (max_disparity - 1) * kDisparityScale;
+      row[x] = static_cast<std::uint16_t>(known ? d * (kFileScale / kDisparityScale) : 0);
+    }
+  }
+  return out;
+}
+
+// Near is red, far is blue, unknown is black; the colours span what the picture holds.
+cv::Mat to_color(const cv::Mat& disparity) {
+  double nearest = 0.0;
+  cv::minMaxLoc(disparity, nullptr, &nearest);
+  cv::Mat grey;
+  disparity.convertTo(grey, CV_8U, nearest > 0.0 ? 255.0 / nearest : 0.0);
+  cv::Mat color;
+  cv::applyColorMap(grey, color, cv::COLORMAP_TURBO);
+  color.setTo(cv::Scalar::all(0), disparity == 0);
+  return color;
+}
+
+Result<void> write_png(OutputFile& file, const cv::Mat& picture) {
+  std::vector<unsigned char> png;
+  cv::imencode(".png", picture, png);
+  return file.write(png);
+}
+
+int run(const DisparityArguments& arguments) {
+  const auto pair = read_pair(arguments);
+  if (!pair) return report(pair.error());
+  auto out = OutputFile::open(arguments.out, "disparity");
+  if (!out) return report(out.error());
+  const std::int64_t begin_ns = monotonic_ns();
+  const auto disparity = match(*pair, arguments.max_disparity);
+  if (!disparity) return report(disparity.error());
+  const double elapsed_ms = static_cast<double>(monotonic_ns() - begin_ns) * 1e-6;
+
+  const cv::Mat picture = to_file_units(disparity->cview(), arguments.max_disparity);
+  if (auto ok = write_png(*out, picture); !ok) return report(ok.error());
+  if (!arguments.color.empty()) {
+    auto color = OutputFile::open(arguments.color, "picture");
+    if (!color) return report(color.error());
+    if (auto ok = write_png(*color, to_color(picture)); !ok) return report(ok.error());
+  }
+  fmt::print("{}x{}, {} disparities, {:.1f} % known, {:.1f} ms\n", picture.cols, picture.rows, arguments.max_disparity,
+             100.0 * cv::countNonZero(picture) / static_cast<double>(picture.total()), elapsed_ms);
+  return kDone;
+}
+
+}  // namespace
+
+void add_disparity_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<DisparityArguments>();
+  CLI::App* disparity = app.add_subcommand("disparity", "Dense disparity of one rectified pair of images");
+  disparity->add_option("LEFT", arguments->left, "Left image, rectified; colour becomes grey")->required();
+  disparity->add_option("RIGHT", arguments->right, "Right image of the same size")->required();
+  disparity->add_option("--out", arguments->out, "Disparity: 16-bit PNG, px * 256, 0 = unknown")
+      ->required()
+      ->type_name("FILE.png");
+  disparity->add_option("--max-disparity", arguments->max_disparity, "Number of disparities searched, from 0")
+      ->check(CLI::Range(1, kMostDisparities))
+      ->capture_default_str()
+      ->type_name("N");
+  disparity->add_option("--color", arguments->color, "Also a picture to look at: near red, far blue, unknown black")
+      ->type_name("FILE.png");
+  disparity->footer(
+      "Example:\n"
+      "  cliquevo disparity left.png right.png --out disparity.png --max-disparity 64 --color look.png");
+  disparity->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace cliquevo::tools

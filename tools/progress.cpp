@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/progress.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include "core/base/time.h"
+
+namespace cliquevo::tools {
+
+namespace {
+
+constexpr std::int64_t kBarPeriodNs = 100'000'000;
+constexpr std::int64_t kLinePeriodNs = 10'000'000'000;
+
+}  // namespace
+
+std::string progress_line(std::int64_t done, std::int64_t total, double rate_hz, double distance_m,
+                          const std::string& status, bool bar) {
+  std::string out;
+  if (bar && total > 0) {
+    constexpr std::int64_t kWidth = 30;
+    const auto filled = static_cast<std::size_t>(std::clamp<std::int64_t>(done * kWidth / total, 0, kWidth));
+    std::string cells(kWidth, ' ');
+    std::fill_n(cells.begin(), filled, '=');
+    if (filled < kWidth) cells[filled] = '>';
+    out = "[" + cells + "] ";
+  }
+  out += total > 0 ? fmt::format("{}/{}", done, total) : fmt::format("{}", done);
+  return out + fmt::format("  {:.1f} Hz  {:.1f} m  {}", rate_hz, distance_m, status);
+}
+
+Progress::Progress(std::int64_t total)
+    : total_(total), terminal_(::isatty(STDERR_FILENO) == 1), begin_ns_(monotonic_ns()), last_ns_(begin_ns_) {}
+
+Progress::~Progress() { finish(); }
+
+void Progress::update(std::int64_t done, double distance_m, const std::string& status) {
+  const std::int64_t now_ns = monotonic_ns();
+  const std::int64_t tenth = total_ > 0 ? done * 10 / total_ : 0;
+  const bool due = terminal_ ? now_ns - last_ns_ >= kBarPeriodNs || done == total_
+                             : now_ns - last_ns_ >= kLinePeriodNs || tenth > last_tenth_;
+  if (!due) return;
+  last_ns_ = now_ns;
+  last_tenth_ = tenth;
+  const double elapsed_s = static_cast<double>(now_ns - begin_ns_) * 1e-9;
+  const double rate_hz = elapsed_s > 0.0 ? static_cast<double>(done) / elapsed_s : 0.0;
+  const std::string line = progress_line(done, total_, rate_hz, distance_m, status, terminal_);
+  if (terminal_) {
+    fmt::print(stderr, "\r{}\033[K", line);
+    drawn_ = true;
+  } else {
+    fmt::print(stderr, "{}\n", line);
+  }
+  std::fflush(stderr);
+}
+
+void Progress::finish() {
+  if (drawn_) fmt::print(stderr, "\n");
+  drawn_ = false;
+}
+
+}  // namespace cliquevo::tools

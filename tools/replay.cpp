@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo replay: a recording or the simulator through stereo and odometry.
+#include <charconv>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "drivers/describe.h"
+#include "tools/commands.h"
+#include "tools/exit_code.h"
+#include "tools/output_file.h"
+#include "tools/plot.h"
+#include "tools/reference.h"
+#include "tools/replay_run.h"
+#include "tools/source_argument.h"
+
+namespace cliquevo::tools {
+
+namespace {
+
+using daemon::TrajectoryFormat;
+
+struct ReplayArguments {
+  SourceArgument source;
+  std::string config;
+  std::string trajectory;
+  TrajectoryFormat format = TrajectoryFormat::kitti;
+  std::string stats;
+  std::string plot;
+  std::string reference;
+  double speed = 0.0;  // 0 = as fast as possible
+  std::string lcm_url;
+  bool strict = false;
+};
+
+// Files of the end, opened at the start.
+struct EndFiles {
+  std::optional<OutputFile> stats;
+  std::optional<OutputFile> plot;
+};
+
+Result<EndFiles> open_end_files(const ReplayArguments& arguments) {
+  EndFiles out;
+  if (!arguments.stats.empty()) {
+    auto file = OutputFile::open(arguments.stats, "statistics");
+    if (!file) return file.error();
+    out.stats = std::move(*file);
+  }
+  if (!arguments.plot.empty()) {
+    auto file = OutputFile::open(arguments.plot, "plot");
+    if (!file) return file.error();
+    out.plot = std::move(*file);
+  }
+  return out;
+}
+
+Result<ReplayOutputs> open_outputs(const ReplayArguments& arguments, const daemon::Config& config) {
+  ReplayOutputs out;
+  out.speed = arguments.speed;
+  if (!arguments.trajectory.empty()) {
+    auto writer = daemon::TrajectoryWriter::open(arguments.trajectory, arguments.format);
+    if (!writer) return writer.error();
+    out.trajectory = std::move(*writer);
+  }
+  if (!arguments.lcm_url.empty()) {
+    daemon::LcmConfig lcm = config.lcm;
+    lcm.url = arguments.lcm_url;
+    auto publisher = daemon::Publisher::make(lcm, config.T_body_camera);
+    if (publisher) {
+      out.publisher = std::move(*publisher);
+    } else {
+      warn(publisher.error());
+    }
+  }
+  return out;
+}
+
+// The reference asked for, or what the source brings along; none of it can fail the run but what was asked for.
+Result<std::optional<RunReference>> find_reference(const ReplayArguments& arguments, const RunLog& log) {
+  if (!arguments.reference.empty()) {
+    auto reference = reference_from_file(arguments.reference, log.frames());
+    if (!reference) return reference.error();
+    return std::optional(std::move(*reference));
+  }
+  if (is_simulator(arguments.source.text)) return reference_from_truth(log.frames());
+  const std::string beside = reference_beside(arguments.source.text);
+  if (beside.empty()) return std::optional<RunReference>();
+  auto reference = reference_from_file(beside, log.frames());
+  if (!reference) return std::optional<RunReference>();
+  return std::optional(std::move(*reference));
+}
+
+RunPicture picture_of(const ReplayArguments& arguments, const RunLog& log,
+                      const std::optional<RunReference>& reference) {
+  RunPicture out;
+  const std::string name = std::filesystem::path(arguments.source.text).lexically_normal().filename().string();
+  out.title = name.empty() ? arguments.source.text : name;
+  for (const FrameRecord& frame : log.frames()) {
+    out.trajectory.push_back(frame.estimate.T_world_camera);
+    out.inliers.push_back(frame.estimate.inliers);
+  }
+  out.failed = log.failed();
+  if (reference) {
+    out.pairs = reference->pairs;
+    out.align = reference->align;
+  }
+  return out;
+}
+
+int run(const ReplayArguments& arguments) {
+  if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
+  daemon::Config config = daemon::default_config();
+  if (!arguments.config.empty()) {
+    auto read = daemon::read_config(arguments.config);
+    if (!read) return report(read.error());
+    config = std::move(*read);
+  }
+  auto source = open_source(arguments.source, config.source);
+  if (!source) return report(source.error());
+  const drivers::SourceInfo& info = (*source)->info();
+  auto pipeline = daemon::FramePipeline::make({config.stereo, config.odometry}, info);
+  if (!pipeline) return report(pipeline.error());
+  auto files = open_end_files(arguments);
+  if (!files) return report(files.error());
+  auto outputs = open_outputs(arguments, config);
+  if (!outputs) return report(outputs.error());
+
+  fmt::print("{}\n{}\n", drivers::describe_source(info), drivers::describe_geometry(pipeline->model()));
+  std::fflush(stdout);
+  RunLog log;
+  const ReplayEnd end = run_replay(**source, *pipeline, *outputs, log);
+
+  int exit_code = kDone;
+  const auto fail = [&exit_code](const Error& error) { exit_code = report(error); };
+  if (end.error) fail(*end.error);
+  std::optional<RunReference> reference;
+  if (!log.frames().empty()) {
+    auto found = find_reference(arguments, log);
+    if (found) {
+      reference = std::move(*found);
+    } else {
+      fail(found.error());
+    }
+    fmt::print("{}", log.summary(end.wall_s, reference));
+  }
+  if (files->stats) {
+    if (auto ok = files->stats->write(log.stats_json(info, pipeline->model(), end.wall_s, reference)); !ok) {
+      fail(ok.error());
+    }
+  }
+  if (files->plot && !log.frames().empty()) {
+    const auto png = draw_plot(picture_of(arguments, log, reference));
+    const Result<void> drawn = png ? files->plot->write(*png) : Result<void>(png.error());
+    if (!drawn) fail(drawn.error());
+  }
+  if (exit_code != kDone) return exit_code;
+  if (log.frames().empty()) return report({"no pair to play", arguments.source.text, "choose other pairs"});
+  const std::vector<std::size_t> failed = log.failed();
+  if (arguments.strict && !failed.empty()) {
+    const FrameRecord& first = log.frames()[failed.front()];
+    return report({fmt::format("{} of {} frames failed", failed.size(), log.frames().size()),
+                   fmt::format("first at pair {} ({})", first.index, vo::status_name(first.estimate.status)),
+                   "without --strict this is accepted"},
+                  kNotStrictEnough);
+  }
+  return kDone;
+}
+
+// "max" or a positive number.
+bool parse_speed(const std::string& text, double& speed) {
+  if (text == "max") {
+    speed = 0.0;
+    return true;
+  }
+  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), speed);
+  return failed == std::errc{} && end == text.data() + text.size() && speed > 0.0 && speed < 1e6;
+}
+
+template <typename T>
+auto into(std::optional<T>& target) {
+  return [&target](const T& value) { target = value; };
+}
+
+void add_source_options(CLI::App& replay, SourceArgument& source) {
+  replay
+      .add_option(
+          "SOURCE", source.text,
+          "A recording's folder (KITTI odometry, KITTI raw, EuRoC, two folders of images: told apart by what is "
+          "in it), or sim, or sim:key=value,...")
+      ->required();
+  replay.add_option("--calibration", source.calibration, "Calibration instead of the recording's own")
+      ->type_name("FILE");
+  replay.add_option_function<double>("--rate", into(source.rate_hz), "Pairs a second, for images without times")
+      ->check(CLI::PositiveNumber)
+      ->type_name("HZ");
+  replay.add_option_function<std::int64_t>("--first", into(source.first), "First pair to play, counted from 0")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("I");
+  replay.add_option_function<std::int64_t>("--last", into(source.last), "Last pair to play")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("I");
+  replay.add_option_function<std::int64_t>("--every", into(source.every), "Play every K-th pair")
+      ->check(CLI::PositiveNumber)
+      ->type_name("K");
+  replay
+      .add_option_function<double>("--pair-tolerance", into(source.pair_tolerance_s),
+                                   "Most time between the images of a pair, s (default a quarter period)")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
+}
+
+}  // namespace
+
+void add_replay_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<ReplayArguments>();
+  CLI::App* replay =
+      app.add_subcommand("replay", "Run a recording or the simulator through stereo and odometry: poses and verdicts");
+  add_source_options(*replay, arguments->source);
+  replay->add_option("--config", arguments->config, "Configuration (config/cliquevo.yaml tells every key)")
+      ->type_name("FILE");
+  replay
+      ->add_option("--trajectory", arguments->trajectory,
+                   "Write a pose a pair: rectified left camera in its first frame")
+      ->type_name("FILE");
+  replay
+      ->add_option_function<std::string>(
+          "--format",
+          [arguments](const std::string& name) {
+            arguments->format = name == "tum" ? TrajectoryFormat::tum : TrajectoryFormat::kitti;
+          },
+          "Of the trajectory: kitti (12 numbers a line, default) or tum (seconds, position, quaternion)")
+      ->check(CLI::IsMember({"kitti", "tum"}))
+      ->type_name("NAME");
+  replay->add_option("--stats", arguments->stats, "Write each frame's verdict, counts, errors and times as JSON")
+      ->type_name("FILE.json");
+  replay->add_option("--plot", arguments->plot, "Draw the trajectory and its error over distance")
+      ->type_name("FILE.png");
+  replay
+      ->add_option("--reference", arguments->reference,
+                   "True trajectory for the plot and the summary (default: the recording's own poses.txt or "
+                   "groundtruth.tum, the simulator's truth)")
+      ->type_name("FILE");
+  replay
+      ->add_option_function<std::string>(
+          "--speed",
+          [arguments](const std::string& text) {
+            if (!parse_speed(text, arguments->speed)) {
+              throw CLI::ValidationError("--speed", "'" + text + "' is neither max nor a number above 0");
+            }
+          },
+          "max (default) or N times the recorded pace")
+      ->type_name("max|N");
+  replay->add_option("--lcm", arguments->lcm_url, "Publish every frame over LCM, e.g. udpm://239.255.76.67:7667?ttl=0")
+      ->type_name("URL");
+  replay->add_flag("--strict", arguments->strict, "Exit with 3 if a frame failed");
+  replay->footer(
+      "Every pair is processed, in order; a pair that cannot be read ends the replay with exit code 1, and what was\n"
+      "written holds the pairs before it. Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 --strict.\n"
+      "Examples:\n"
+      "  cliquevo replay sim --plot run.png\n"
+      "  cliquevo replay sim:course=walking,frames=400,noise_seed=3 --stats run.json\n"
+      "  cliquevo replay /data/drive_0027 --trajectory poses.txt --stats run.json --plot run.png\n"
+      "  cliquevo replay /data/indoor --every 2 --format tum --trajectory poses.tum --speed 1 --lcm udpm://");
+  replay->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace cliquevo::tools

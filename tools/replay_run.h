@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The loop of `cliquevo replay`: every pair of a source through the pipeline, and what is written meanwhile.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+#include "daemon/config.h"
+#include "daemon/frame_pipeline.h"
+#include "daemon/publisher.h"
+#include "daemon/trajectory_file.h"
+#include "drivers/frame_source.h"
+#include "tools/run_log.h"
+
+namespace cliquevo::tools {
+
+struct ReplayOutputs {
+  std::optional<daemon::TrajectoryWriter> trajectory;
+  std::optional<daemon::Publisher> publisher;
+  double speed = 0.0;  // times recorded pace; 0 = as fast as possible
+};
+
+struct ReplayEnd {
+  std::optional<Error> error;  // what ended the run early; all frames before it are in the log and the trajectory
+  double wall_s = 0.0;
+};
+
+// Never drops a frame. Ends at the source's end, at the first pair that cannot be processed, or soon after SIGINT or
+// SIGTERM.
+ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeline, ReplayOutputs& outputs,
+                     RunLog& log);
+
+}  // namespace cliquevo::tools

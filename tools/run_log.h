@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a replay remembers of each frame, and what it tells about the run at its end.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/vo/visual_odometry.h"
+#include "daemon/frame_pipeline.h"
+#include "drivers/frame_source.h"
+#include "tools/evaluation.h"
+
+namespace cliquevo::tools {
+
+struct FrameRecord {
+  std::int64_t index = 0;
+  vo::Estimate estimate;
+  std::int64_t read_ns = 0;  // waiting for the pair
+  daemon::StageTimes times;
+  std::optional<RigidTransform> truth_T_world_camera;
+
+  std::int64_t total_ns() const { return times.rectify_ns + times.stereo_ns + times.odometry_ns; }
+};
+
+// The run's reference, matched to its frames.
+struct RunReference {
+  std::string name;  // file, or "the simulator's truth"
+  std::vector<PosePair> pairs;
+  bool align = false;  // only positions are comparable, after a rigid alignment
+};
+
+class RunLog {
+ public:
+  void add(const FrameRecord& record);
+
+  const std::vector<FrameRecord>& frames() const { return frames_; }
+  std::vector<std::size_t> failed() const;  // positions in frames(); the first frame cannot fail
+  double distance_m() const { return distance_m_; }
+
+  // The text printed at the end: verdicts, stage times, errors against the reference where there is one.
+  std::string summary(double wall_s, const std::optional<RunReference>& reference) const;
+  // The file of --stats.
+  std::string stats_json(const drivers::SourceInfo& source, const StereoModel& model, double wall_s,
+                         const std::optional<RunReference>& reference) const;
+
+ private:
+  std::vector<FrameRecord> frames_;
+  double distance_m_ = 0.0;
+};
+
+struct Spread {
+  double median = 0.0;
+  double p95 = 0.0;
+  double max = 0.0;
+};
+// Of any order of values; zeros when there are none.
+Spread spread_of(std::vector<double> values);
+
+}  // namespace cliquevo::tools

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// SOURCE on the command line: a recording's path, `sim`, or `sim:key=value,...`.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+#include "daemon/config.h"
+#include "drivers/frame_source.h"
+
+namespace cliquevo::tools {
+
+struct SourceArgument {
+  std::string text;
+  std::string calibration;  // empty = the source's own
+  std::optional<double> rate_hz;
+  std::optional<std::int64_t> first;
+  std::optional<std::int64_t> last;
+  std::optional<std::int64_t> every;
+  std::optional<double> pair_tolerance_s;
+};
+
+bool is_simulator(const std::string& source);
+// Whether SOURCE and the options beside it make sense together; an error is one of usage.
+Result<void> check_source(const SourceArgument& argument);
+
+// What the command line leaves open, the configuration decides (its simulator for a bare `sim`, its calibration, masks
+// and so on for a recording).
+Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceArgument& argument,
+                                                          const daemon::SourceConfig& config);
+
+}  // namespace cliquevo::tools
