@@ -38,14 +38,6 @@ Result<void> check_camera(const CameraCalibration& c, const std::string& where) 
   return {};
 }
 
-Result<void> check_rotation(const Eigen::Matrix3d& R, const std::string& where) {
-  const bool orthonormal =
-      R.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance;
-  if (!orthonormal || R.determinant() < 0.0)
-    return calibration_error("rotation matrix is singular or no rotation", where);
-  return {};
-}
-
 Result<void> check_translation(const Eigen::Vector3d& t, const std::string& where) {
   if (!t.allFinite()) return calibration_error("translation between the eyes is not finite", where);
   const double length = t.norm();
@@ -108,6 +100,17 @@ bool same_model(const StereoModel& a, const StereoModel& b) {
          near(a.cx_px, b.cx_px) && near(a.cy_px, b.cy_px) && near(a.doffs_px, b.doffs_px);
 }
 
+// The rectified eyes must differ by the baseline alone, to what files round to.
+Result<void> check_fit(const PrescribedRectification& p, const RigidTransform& T_right_left, const std::string& where) {
+  const Eigen::Matrix3d between = p.R_right * T_right_left.R * p.R_left.transpose();
+  const Eigen::Vector3d shift = p.R_right * T_right_left.t + Eigen::Vector3d(p.model.baseline_m, 0.0, 0.0);
+  if ((between - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 0.02 ||
+      shift.norm() > 0.03 * p.model.baseline_m) {
+    return calibration_error("prescribed rectification does not fit rotation and baseline of the eyes", where);
+  }
+  return {};
+}
+
 Result<void> settle_size(CameraCalibration& camera, const CalibrationRequest& request) {
   if (camera.width == 0 && camera.height == 0) {
     camera.width = request.width;
@@ -133,6 +136,80 @@ Error size_error(const std::string& path, int width, int height, int image_width
   return {"calibration is of another image size", path,
           fmt::format("it is for {}x{}, the images are {}x{}: name the calibration of these images", width, height,
                       image_width, image_height)};
+}
+
+Result<void> check_rotation(const Eigen::Matrix3d& R, const std::string& where) {
+  const bool orthonormal =
+      R.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance;
+  if (!orthonormal || R.determinant() < 0.0)
+    return calibration_error("rotation matrix is singular or no rotation", where);
+  return {};
+}
+
+Result<void> set_distortion(const std::string& name, const std::vector<double>& coefficients, const std::string& where,
+                            CameraCalibration& camera) {
+  std::string key;
+  for (const char c : name) {
+    if (c == '_' || c == '-' || c == ' ') continue;
+    key += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  }
+  const std::size_t n = coefficients.size();
+  std::size_t most = 0;
+  if (key == "none" || (key.empty() && n == 0)) {
+    camera.distortion = Distortion::none;
+  } else if (key == "plumbbob" || key == "radtan" || key == "radialtangential" || (key.empty() && n <= 5)) {
+    camera.distortion = Distortion::plumb_bob;
+    most = 5;
+    if (n != 0 && n != 4 && n != 5) {
+      return Error{fmt::format("distortion has {} numbers instead of 4 or 5", n), where, "copy the calibration again"};
+    }
+  } else if (key == "rationalpolynomial" || key == "rational" || key.empty()) {
+    camera.distortion = Distortion::rational;
+    most = 8;
+    if (n != 8 && n != 12 && n != 14) {
+      return Error{fmt::format("distortion has {} numbers instead of 8", n), where, "copy the calibration again"};
+    }
+  } else if (key == "equidistant" || key == "equi" || key == "fisheye" || key == "kannalabrandt") {
+    camera.distortion = Distortion::equidistant;
+    most = 4;
+    if (n != 4) {
+      return Error{fmt::format("distortion has {} numbers instead of 4", n), where, "copy the calibration again"};
+    }
+  } else {
+    return Error{"distortion model " + key.substr(0, 32) + " is not known", where,
+                 "use plumb_bob (radtan), rational_polynomial, equidistant or none"};
+  }
+  // OpenCV's thin prism and tilt follow the eight; only files that leave them at zero are of a model we have.
+  for (std::size_t i = most; i < n; ++i) {
+    if (coefficients[i] != 0.0)
+      return Error{"distortion has terms that are not known", where, "calibrate without them"};
+  }
+  camera.coefficients.fill(0.0);
+  std::copy_n(coefficients.begin(), std::min(n, most), camera.coefficients.begin());
+  return {};
+}
+
+Result<StereoModel> model_from_projections(const std::vector<double>& P_left, const std::vector<double>& P_right,
+                                           const std::string& where) {
+  for (const std::vector<double>* P : {&P_left, &P_right}) {
+    const std::vector<double>& p = *P;
+    if (p[0] <= 0.0 || p[5] <= 0.0) return calibration_error("projection is singular (focal length <= 0)", where);
+    if (std::abs(p[1]) > 1e-6 * p[0] || p[4] != 0.0 || p[8] != 0.0 || p[9] != 0.0 || std::abs(p[10] - 1.0) > 1e-9) {
+      return calibration_error("projection is not that of a rectified camera", where);
+    }
+    if (std::abs(p[7]) > 1e-3 * std::abs(P_right[3])) return calibration_error("eyes are not side by side", where);
+  }
+  if (!near(P_left[0], P_right[0]) || !near(P_left[5], P_right[5]) || !near(P_left[6], P_right[6])) {
+    return calibration_error("projections of the eyes have unequal focal lengths or rows", where);
+  }
+  StereoModel m;
+  m.fx_px = P_left[0];
+  m.fy_px = P_left[5];
+  m.cx_px = P_left[2];
+  m.cy_px = P_left[6];
+  m.baseline_m = P_left[3] / P_left[0] - P_right[3] / P_right[0];
+  m.doffs_px = near(P_left[2], P_right[2]) ? 0.0 : P_right[2] - P_left[2];
+  return m;
 }
 
 Eigen::Matrix3d matrix3_from(const std::vector<double>& v) {
@@ -169,6 +246,7 @@ Result<StereoCalibration> finish_calibration(StereoCalibration c, const Calibrat
       if (const Result<void> ok = check_rotation(*R, request.path + " (rectifying rotation)"); !ok) return ok.error();
       *R = RigidTransform{*R, Eigen::Vector3d::Zero()}.normalized().R;
     }
+    if (const Result<void> ok = check_fit(p, c.T_right_left, request.path); !ok) return ok.error();
   }
   if (!c.rectified) {
     const std::optional<StereoModel> model = model_without_warp(c);

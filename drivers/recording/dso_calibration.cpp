@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/recording/dso_calibration.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "drivers/recording/text_file.h"
@@ -22,10 +24,15 @@ Result<CameraCalibration> parse_camera(const TextLine& line, const std::string& 
     name = split_words(rest).front();
     rest.remove_prefix(name.size());
   }
+  const auto known = {"Pinhole", "RadTan", "EquiDistant", "KannalaBrandt"};
+  if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end()) {
+    return Error{"calibration is of no known format or camera model", where,
+                 "name a KITTI, EuRoC, Kalibr, ROS, OpenCV or DSO file (Pinhole, RadTan or EquiDistant)"};
+  }
   const Result<std::vector<double>> numbers = parse_numbers(rest, "calibration", where);
   if (!numbers) return numbers.error();
   const std::vector<double>& v = *numbers;
-  if (name.empty() && v.size() == 5) name = v[4] == 0.0 ? "Pinhole" : "FOV";
+  if (name.empty() && v.size() == 5) name = "Pinhole";
   if (name.empty() && v.size() == 8) name = "RadTan";
 
   CameraCalibration camera;
@@ -38,12 +45,14 @@ Result<CameraCalibration> parse_camera(const TextLine& line, const std::string& 
   } else if (name == "EquiDistant" || name == "KannalaBrandt") {
     camera.distortion = Distortion::equidistant;
     coefficients = 4;
-  } else if (name.empty()) {
-    return Error{"calibration is of no known format", where, "name a KITTI, EuRoC, Kalibr, ROS, OpenCV or DSO file"};
   } else {
-    return Error{"camera model is not known", where, "use Pinhole, RadTan or EquiDistant"};
+    return Error{"calibration is of no known format", where, "name a KITTI, EuRoC, Kalibr, ROS, OpenCV or DSO file"};
   }
-  const bool pinhole_tail = name == "Pinhole" && v.size() == 5;  // the fifth is DSO's FOV parameter, 0 here
+  const bool pinhole_tail = name == "Pinhole" && v.size() == 5;  // the fifth is the FOV model's parameter, 0 here
+  if (pinhole_tail && v[4] != 0.0) {
+    return Error{"calibration is of the FOV camera model, which is not known", where,
+                 "use Pinhole, RadTan or EquiDistant"};
+  }
   if (v.size() != 4 + coefficients && !pinhole_tail) {
     return Error{fmt::format("camera has {} numbers instead of {}", v.size(), 4 + coefficients), where,
                  "copy the calibration again: it is torn"};

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "drivers/recording/calibration_common.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/stamps.h"
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "drivers/recording/calibration_common.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/stamps.h"
 
@@ -51,11 +52,7 @@ Result<std::optional<Layout>> find_kitti_raw(const std::string& path) {
     layout.calibration = find_calibration(path);
     std::error_code ec;
     if (layout.calibration.empty()) {
-      layout.calibration = find_calibration(fs::absolute(root, ec).lexically_normal().parent_path().string());
-    }
-    if (layout.calibration.empty() || !fs::exists(layout.calibration, ec)) {
-      const fs::path above = fs::canonical(root, ec).parent_path();
-      layout.calibration = find_calibration(above.string());
+      layout.calibration = find_calibration(fs::canonical(root, ec).parent_path().string());
     }
     return std::optional<Layout>(std::move(layout));
   }

@@ -14,15 +14,15 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
-bool is_image_name(const fs::path& file) {
+}  // namespace
+
+bool is_image_name(const std::string& file) {
   static constexpr std::array<const char*, 9> kExtensions{".png", ".jpg",  ".jpeg", ".pgm", ".ppm",
                                                           ".bmp", ".tiff", ".tif",  ".webp"};
-  std::string extension = file.extension().string();
+  std::string extension = fs::path(file).extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
-
-}  // namespace
 
 bool natural_less(const std::string& a, const std::string& b) {
   std::size_t i = 0;
@@ -59,7 +59,7 @@ Result<Eye> list_eye(const std::string& folder) {
   for (; entry != fs::directory_iterator(); entry.increment(ec)) {
     const fs::path file = entry->path();
     const std::string name = file.filename().string();
-    if (name.front() == '.' || !is_image_name(file) || entry->is_directory(ec)) continue;
+    if (name.front() == '.' || !is_image_name(name) || entry->is_directory(ec)) continue;
     eye.images.push_back({file.string(), file.stem().string(), std::nullopt});
   }
   if (ec) return Error{"cannot list folder", folder, ec.message()};
@@ -90,20 +90,10 @@ Result<void> list_eyes(Layout& layout, const std::string& left_folder, const std
   return {};
 }
 
-std::string find_calibration(const std::string& folder) {
-  static constexpr std::array<const char*, 5> kNames{"calib_cam_to_cam.txt", "calib.txt", "calib_stereo.txt",
-                                                     "camera.txt", "calibration.txt"};
-  std::error_code ec;
-  for (const char* name : kNames) {
-    const fs::path file = fs::path(folder) / name;
-    if (fs::is_regular_file(file, ec)) return file.string();
-  }
-  return {};
-}
-
 Result<Layout> find_layout(const std::string& path) {
   std::error_code ec;
-  if (path.empty() || !fs::exists(path, ec)) return Error{"no such recording", path, "check the name of the folder"};
+  if (path.empty()) return Error{"no such recording", "empty name", "name the folder that holds both eyes"};
+  if (!fs::exists(path, ec)) return Error{"no such recording", path, "check the name of the folder"};
   if (!fs::is_directory(path, ec)) return Error{"recording is no folder", path, "name the folder that holds both eyes"};
   for (const auto find : {find_euroc, find_kitti_raw, find_kitti_odometry, find_two_folders}) {
     Result<std::optional<Layout>> found = find(path);

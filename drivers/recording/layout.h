@@ -48,8 +48,8 @@ Result<Layout> find_layout(const std::string& path);
 Result<Eye> list_eye(const std::string& folder);
 // Both eyes; an error that names the missing one.
 Result<void> list_eyes(Layout& layout, const std::string& left_folder, const std::string& right_folder);
+// Whether the extension is one of an image.
+bool is_image_name(const std::string& file);
 bool natural_less(const std::string& a, const std::string& b);
-// A file or folder that serves as calibration in `folder`; empty = none.
-std::string find_calibration(const std::string& folder);
 
 }  // namespace cliquevo::drivers

@@ -70,11 +70,13 @@ std::optional<StampRow> parse_row(std::string_view line) {
   if (second) {  // name or number, time
     row.stamp_ns = *second;
     row.name = stem_of(words[0]);
+    row.names_a_file = is_image_name(std::string(words[0]));
     return row;
   }
   if (!first) return std::nullopt;
   row.stamp_ns = *first;
   row.name = stem_of(words[1]);
+  row.names_a_file = is_image_name(std::string(words[1]));
   return row;
 }
 
@@ -121,10 +123,15 @@ Result<void> stamps_from_file(const std::string& path, Eye& eye) {
     by_name[eye.images[i].name] = i;
     eye.images[i].stamp_ns.reset();
   }
-  const bool named = std::all_of(rows->begin(), rows->end(),
-                                 [&](const StampRow& row) { return !row.name.empty() && by_name.count(row.name) > 0; });
+  const bool named = std::all_of(rows->begin(), rows->end(), [&](const StampRow& row) {
+    return row.names_a_file || (!row.name.empty() && by_name.count(row.name) > 0);
+  });
   for (std::size_t i = 0; i < rows->size(); ++i) {
     const StampRow& row = rows.value()[i];
+    if (named && by_name.count(row.name) == 0) {
+      return Error{"times file names an image that is not there", fmt::format("{}:{} ({})", path, row.line, row.name),
+                   "copy the recording again, or correct the file"};
+    }
     EyeImage& image = eye.images[named ? by_name[row.name] : i];
     if (image.stamp_ns) {
       return Error{"times file names an image twice", fmt::format("{}:{}", path, row.line), "correct the file"};
@@ -135,20 +142,23 @@ Result<void> stamps_from_file(const std::string& path, Eye& eye) {
 }
 
 bool stamps_from_names(Eye& eye) {
-  std::vector<TimestampNs> stamps;
-  stamps.reserve(eye.images.size());
-  for (const EyeImage& image : eye.images) {
-    std::optional<TimestampNs> stamp;
+  std::vector<EyeImage> images = eye.images;
+  for (EyeImage& image : images) {
+    image.stamp_ns.reset();
     if (image.name.find_first_not_of("0123456789.") != std::string::npos) return false;
     if (const std::optional<std::int64_t> whole = parse_integer(image.name)) {
-      stamp = epoch_stamp(*whole);
+      image.stamp_ns = epoch_stamp(*whole);
     } else if (image.name.find('.') != std::string::npos) {
-      stamp = parse_seconds(image.name);
+      image.stamp_ns = parse_seconds(image.name);
     }
-    if (!stamp || (!stamps.empty() && *stamp <= stamps.back())) return false;
-    stamps.push_back(*stamp);
+    if (!image.stamp_ns) return false;
   }
-  for (std::size_t i = 0; i < stamps.size(); ++i) eye.images[i].stamp_ns = stamps[i];
+  // The order of names is not that of decimal seconds ("5.2" is behind "5.15").
+  std::sort(images.begin(), images.end(), [](const EyeImage& a, const EyeImage& b) { return a.stamp_ns < b.stamp_ns; });
+  for (std::size_t i = 1; i < images.size(); ++i) {
+    if (images[i].stamp_ns == images[i - 1].stamp_ns) return false;
+  }
+  eye.images = std::move(images);
   return true;
 }
 

@@ -16,7 +16,8 @@ namespace cliquevo::drivers {
 // One row of a times file.
 struct StampRow {
   TimestampNs stamp_ns = 0;
-  std::string name;  // of the image, where the row tells
+  std::string name;           // of the image, where the row tells
+  bool names_a_file = false;  // with its extension: no mere number
   int line = 0;
 };
 

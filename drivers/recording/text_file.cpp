@@ -115,12 +115,13 @@ std::optional<TimestampNs> parse_seconds(std::string_view text) {
     negative = text.front() == '-';
     text.remove_prefix(1);
   }
-  // value = mantissa * 10^exponent, the mantissa cut at 18 digits (no stamp has more that matter).
+  // value = mantissa * 10^exponent; digits beyond what an int64 holds are below a nanosecond, or too much anyway.
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   std::int64_t mantissa = 0;
   int exponent = 9;  // seconds -> ns
-  int digits = 0;
   bool any = false;
   bool point = false;
+  bool full = false;
   std::size_t i = 0;
   for (; i < text.size(); ++i) {
     const char c = text[i];
@@ -130,13 +131,10 @@ std::optional<TimestampNs> parse_seconds(std::string_view text) {
     }
     if (c < '0' || c > '9') break;
     any = true;
-    if (digits < 18) {
-      mantissa = mantissa * 10 + (c - '0');
-      if (mantissa != 0) ++digits;
-      if (point) --exponent;
-    } else if (!point) {
-      ++exponent;
-    }
+    full = full || mantissa > (kMost - 9) / 10;
+    if (!full) mantissa = mantissa * 10 + (c - '0');
+    if (full && !point && exponent < 100) ++exponent;
+    if (!full && point) --exponent;
   }
   if (!any) return std::nullopt;
   if (i < text.size()) {
@@ -147,7 +145,6 @@ std::optional<TimestampNs> parse_seconds(std::string_view text) {
     if (!e || *e > 1000 || *e < -1000) return std::nullopt;
     exponent += static_cast<int>(*e);
   }
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   for (; exponent > 0 && mantissa != 0; --exponent) {
     if (mantissa > kMost / 10) return std::nullopt;
     mantissa *= 10;
