@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/publisher.h"
 
-#include <chrono>
 #include <vector>
 
 #include <lcm/lcm-cpp.hpp>
 
+#include "daemon/clock.h"
 #include "daemon/lcm_url.h"
 #include "daemon/messages.h"
 
@@ -14,11 +14,6 @@ namespace cliquevo::daemon {
 namespace {
 
 constexpr std::size_t kMaxChannelLength = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
-
-TimestampNs now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // One message type on one channel, encoded into a buffer that is kept: lcm::LCM::publish(channel, &message) would
 // allocate one a message.
@@ -79,7 +74,7 @@ Publisher::~Publisher() = default;
 
 bool Publisher::publish(const PublishedFrame& frame) {
   Impl& m = *impl_;
-  m.builder.build(frame, now_ns(), m.messages);
+  m.builder.build(frame, utc_now_ns(), m.messages);
   // The delta first: estimators wait for it. Each is tried, whatever became of the one before.
   const bool delta_sent = m.delta.send(m.lcm, m.messages.delta);
   const bool pose_sent = m.pose.send(m.lcm, m.messages.pose);

@@ -43,7 +43,8 @@ struct SimulatorOptions {
   // store
   std::string cache_dir;  // noise-free renders are kept here; empty = $CLIQUEVO_CACHE, else ~/.cache/cliquevo; "none" =
                           // no cache
-  int workers = 0;        // render threads, 0 = all cores
+  double cache_limit_gb = 12.0;  // of all scenes together; the ones not used for longest go first
+  int workers = 0;               // render threads, 0 = all cores
 
   Result<void> check() const;
 };

@@ -69,6 +69,7 @@ Result<Thread> Thread::start(const ThreadOptions& options, std::function<void()>
   return thread;
 }
 
+Thread::Thread() noexcept = default;
 Thread::Thread(Thread&&) noexcept = default;
 
 Thread& Thread::operator=(Thread&& other) noexcept {

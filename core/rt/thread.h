@@ -20,7 +20,7 @@ struct ThreadOptions {
 
 class Thread {
  public:
-  Thread() = default;
+  Thread() noexcept;  // none
   // Fails only when no thread can be made. Without the right to a priority or the core, the thread runs all the same:
   // shortfall() tells.
   static Result<Thread> start(const ThreadOptions& options, std::function<void()> body);

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Opens the source that the configuration names.
+#pragma once
+
+#include <memory>
+
+#include "core/base/result.h"
+#include "daemon/config.h"
+#include "drivers/frame_source.h"
+
+namespace cliquevo::daemon {
+
+Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceConfig& config);
+
+// Plays a finite source (a simulated course) forward, then backward, without end: continuous motion with stamps and
+// numbers that go on rising. All its frames are read into memory first; fails when that takes more than max_bytes or
+// there are fewer than two frames.
+Result<std::unique_ptr<drivers::FrameSource>> make_pingpong(std::unique_ptr<drivers::FrameSource> source,
+                                                            std::size_t max_bytes = std::size_t{2} << 30);
+
+}  // namespace cliquevo::daemon

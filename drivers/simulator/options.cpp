@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <charconv>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <string_view>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "drivers/simulator.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+template <typename T>
+bool parse_number(std::string_view text, T& value) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc{} && end == text.data() + text.size();
+}
+
+bool parse_value(std::string_view text, bool& value) {
+  if (text == "true" || text == "yes" || text == "on" || text == "1")
+    value = true;
+  else if (text == "false" || text == "no" || text == "off" || text == "0")
+    value = false;
+  else
+    return false;
+  return true;
+}
+bool parse_value(std::string_view text, std::string& value) {
+  value = text;
+  return !text.empty();
+}
+template <typename T>
+bool parse_value(std::string_view text, T& value) {
+  return parse_number(text, value);
+}
+// Three angles: x:y:z
+bool parse_value(std::string_view text, double (&value)[3]) {
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t colon = text.find(':');
+    if ((colon == std::string_view::npos) != (k == 2)) return false;
+    if (!parse_number(text.substr(0, colon), value[k])) return false;
+    if (k < 2) text.remove_prefix(colon + 1);
+  }
+  return true;
+}
+
+using Setter = std::function<bool(SimulatorOptions&, std::string_view)>;
+
+const std::map<std::string, Setter, std::less<>>& setters() {
+#define CLIQUEVO_OPTION(NAME)                                                              \
+  {                                                                                        \
+#NAME, [](SimulatorOptions & o, std::string_view v) { return parse_value(v, o.NAME); } \
+  }
+  static const std::map<std::string, Setter, std::less<>> kSetters = {
+      CLIQUEVO_OPTION(width),
+      CLIQUEVO_OPTION(height),
+      CLIQUEVO_OPTION(focal_px),
+      CLIQUEVO_OPTION(baseline_m),
+      CLIQUEVO_OPTION(camera_height_m),
+      CLIQUEVO_OPTION(pitch_deg),
+      CLIQUEVO_OPTION(raw),
+      CLIQUEVO_OPTION(misalign_right_deg),
+      CLIQUEVO_OPTION(course),
+      CLIQUEVO_OPTION(frames),
+      CLIQUEVO_OPTION(step_m),
+      CLIQUEVO_OPTION(rate_hz),
+      CLIQUEVO_OPTION(every),
+      CLIQUEVO_OPTION(world_seed),
+      CLIQUEVO_OPTION(rocks),
+      CLIQUEVO_OPTION(movers),
+      CLIQUEVO_OPTION(shadow),
+      CLIQUEVO_OPTION(noise_seed),
+      CLIQUEVO_OPTION(noise_sigma),
+      CLIQUEVO_OPTION(shot_noise),
+      CLIQUEVO_OPTION(motion_blur),
+      CLIQUEVO_OPTION(exposure_changes),
+      CLIQUEVO_OPTION(cache_dir),
+      CLIQUEVO_OPTION(cache_limit_gb),
+      CLIQUEVO_OPTION(workers),
+  };
+#undef CLIQUEVO_OPTION
+  return kSetters;
+}
+
+constexpr const char* kCourses[] = {"wheeled", "walking", "standing", "straight", "turn"};
+
+Error bad(const std::string& where, const std::string& remedy) { return {"bad simulator option", where, remedy}; }
+
+}  // namespace
+
+Result<void> SimulatorOptions::check() const {
+  const auto in = [](double v, double low, double high) { return std::isfinite(v) && v >= low && v <= high; };
+  struct Range {
+    const char* name;
+    double value, low, high;
+  };
+  const Range ranges[] = {
+      {"width", static_cast<double>(width), 64, 4096},
+      {"height", static_cast<double>(height), 48, 4096},
+      {"focal_px", focal_px, 0.3 * width, 20.0 * width},
+      {"baseline_m", baseline_m, 0.01, 2.0},
+      {"camera_height_m", camera_height_m, 0.2, 10.0},
+      {"pitch_deg", pitch_deg, -80.0, 45.0},
+      {"misalign_right_deg x", misalign_right_deg[0], -5.0, 5.0},
+      {"misalign_right_deg y", misalign_right_deg[1], -5.0, 5.0},
+      {"misalign_right_deg z", misalign_right_deg[2], -5.0, 5.0},
+      {"frames", static_cast<double>(frames), 1, 1e6},
+      {"step_m", step_m, 0.0, 2.0},
+      {"rate_hz", rate_hz, 1.0, 1000.0},
+      {"every", static_cast<double>(every), 1, 1000},
+      {"rocks", static_cast<double>(rocks), -1, 1000},
+      {"movers", static_cast<double>(movers), 0, 50},
+      {"noise_sigma", noise_sigma, 0.0, 100.0},
+      {"cache_limit_gb", cache_limit_gb, 0.0, 1e5},
+      {"workers", static_cast<double>(workers), 0, 256},
+  };
+  for (const Range& r : ranges) {
+    if (!in(r.value, r.low, r.high))
+      return bad(fmt::format("{} = {}", r.name, r.value), fmt::format("use a value from {} to {}", r.low, r.high));
+  }
+  bool known = false;
+  for (const char* c : kCourses) known = known || course == c;
+  if (!known) return bad("course = " + course, fmt::format("use one of {}", fmt::join(kCourses, ", ")));
+  if (course == "straight" && step_m * static_cast<double>(frames) > 5000.0)
+    return bad(fmt::format("straight course of {} m", step_m * static_cast<double>(frames)),
+               "use at most 5000 m, or the wheeled course, which has no end");
+  if (raw) return bad("raw = true", "the raw pair is not available yet");
+  return {};
+}
+
+Result<SimulatorOptions> parse_simulator_options(const std::string& text) {
+  SimulatorOptions options;
+  std::string_view rest = text;
+  while (!rest.empty()) {
+    const std::size_t comma = rest.find(',');
+    const std::string_view item = rest.substr(0, comma);
+    rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
+    if (item.empty()) continue;
+    const std::size_t equals = item.find('=');
+    const std::string_view key = item.substr(0, equals);
+    const auto setter = setters().find(key);
+    if (setter == setters().end()) {
+      std::string names;
+      for (const auto& [name, unused] : setters()) names += (names.empty() ? "" : ", ") + name;
+      return bad(fmt::format("unknown key '{}'", key), "use one of " + names);
+    }
+    if (equals == std::string_view::npos) return bad(fmt::format("'{}' has no value", key), "write key=value");
+    if (!setter->second(options, item.substr(equals + 1)))
+      return bad(fmt::format("{} = '{}'", key, item.substr(equals + 1)), "give a value of the key's type");
+  }
+  if (const Result<void> checked = options.check(); !checked) return checked.error();
+  return options;
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,233 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/simulator/render_cache.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <system_error>
+#include <unistd.h>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "drivers/simulator/hash.h"
+
+namespace cliquevo::drivers::sim {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr char kMagic[8] = {'c', 'v', 'o', 'p', 'a', 'i', 'r', '1'};
+constexpr const char* kPrefix = "simulator-";
+
+struct Header {
+  char magic[8];
+  std::int32_t width, height;
+  std::int64_t frame;
+  std::uint64_t checksum;
+};
+
+std::size_t packed_size(int width, int height) {
+  return (static_cast<std::size_t>(width) * static_cast<std::size_t>(height) + 1) / 2 * 3;
+}
+
+std::uint64_t checksum(const std::uint8_t* data, std::size_t size) {
+  std::uint64_t sum = size;
+  std::size_t i = 0;
+  for (; i + 8 <= size; i += 8) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, data + i, 8);
+    sum = (sum ^ word) * 0x9e3779b97f4a7c15ULL;
+    sum ^= sum >> 29;
+  }
+  for (; i < size; ++i) sum = (sum ^ data[i]) * 0x9e3779b97f4a7c15ULL;
+  return sum;
+}
+
+void pack(const Image<std::uint16_t>& image, std::uint8_t* out) {
+  std::uint32_t held = 0;
+  bool half = false;
+  for (int j = 0; j < image.height(); ++j) {
+    const std::uint16_t* row = image.view().row(j);
+    for (int i = 0; i < image.width(); ++i) {
+      if (!half) {
+        held = row[i];
+      } else {
+        const std::uint32_t both = held | static_cast<std::uint32_t>(row[i]) << 12;
+        *out++ = static_cast<std::uint8_t>(both);
+        *out++ = static_cast<std::uint8_t>(both >> 8);
+        *out++ = static_cast<std::uint8_t>(both >> 16);
+      }
+      half = !half;
+    }
+  }
+  if (half) {
+    *out++ = static_cast<std::uint8_t>(held);
+    *out++ = static_cast<std::uint8_t>(held >> 8);
+    *out++ = 0;
+  }
+}
+
+void unpack(const std::uint8_t* in, int width, int height, Image<std::uint16_t>& image) {
+  image.resize(width, height);
+  std::uint32_t both = 0;
+  bool half = false;
+  for (int j = 0; j < height; ++j) {
+    std::uint16_t* row = image.view().row(j);
+    for (int i = 0; i < width; ++i) {
+      if (!half) {
+        both = in[0] | static_cast<std::uint32_t>(in[1]) << 8 | static_cast<std::uint32_t>(in[2]) << 16;
+        in += 3;
+        row[i] = static_cast<std::uint16_t>(both & 4095U);
+      } else {
+        row[i] = static_cast<std::uint16_t>(both >> 12);
+      }
+      half = !half;
+    }
+  }
+}
+
+std::string store_root(const SimulatorOptions& options) {
+  if (options.cache_dir == "none") return {};
+  if (!options.cache_dir.empty()) return options.cache_dir;
+  if (const char* set = std::getenv("CLIQUEVO_CACHE"); set != nullptr && *set != '\0') return set;
+  if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
+    return std::string(home) + "/.cache/cliquevo";
+  return {};
+}
+
+// Removes the scene folders that were not used for longest until `limit` bytes suffice; returns what is free.
+std::int64_t make_room(const fs::path& root, const fs::path& keep, std::int64_t limit) {
+  struct Scene {
+    fs::path path;
+    fs::file_time_type used;
+    std::int64_t bytes;
+  };
+  std::vector<Scene> scenes;
+  std::int64_t total = 0;
+  std::error_code error;
+  for (fs::directory_iterator it(root, error), end; !error && it != end; it.increment(error)) {
+    if (!it->path().filename().string().starts_with(kPrefix)) continue;
+    std::error_code ignored;
+    Scene scene{it->path(), fs::last_write_time(it->path() / "options.txt", ignored), 0};
+    for (fs::directory_iterator file(it->path(), ignored), last; !ignored && file != last; file.increment(ignored)) {
+      std::error_code gone;
+      const auto size = file->file_size(gone);
+      if (!gone) scene.bytes += static_cast<std::int64_t>(size);
+    }
+    total += scene.bytes;
+    if (scene.path != keep) scenes.push_back(scene);
+  }
+  std::sort(scenes.begin(), scenes.end(), [](const Scene& a, const Scene& b) { return a.used < b.used; });
+  for (const Scene& scene : scenes) {
+    if (total <= limit) break;
+    fs::remove_all(scene.path, error);
+    total -= scene.bytes;
+  }
+  return limit - total;
+}
+
+}  // namespace
+
+std::string render_key(const SimulatorOptions& o) {
+  std::string key = fmt::format("render={}\n", kRenderVersion);
+  const auto add = [&](const char* name, auto value) { key += fmt::format("{}={}\n", name, value); };
+  add("width", o.width);
+  add("height", o.height);
+  add("focal_px", o.focal_px);
+  add("baseline_m", o.baseline_m);
+  add("camera_height_m", o.camera_height_m);
+  add("pitch_deg", o.pitch_deg);
+  add("raw", o.raw);
+  for (const double d : o.misalign_right_deg) add("misalign_right_deg", d);
+  add("course", o.course);
+  add("step_m", o.step_m);
+  add("rate_hz", o.rate_hz);
+  add("world_seed", o.world_seed);
+  add("rocks", o.rocks);
+  add("movers", o.movers);
+  add("shadow", o.shadow);
+  add("motion_blur", o.motion_blur);
+  return key;
+}
+
+RenderCache::RenderCache(const SimulatorOptions& options) : width_(options.width), height_(options.height) {
+  const std::string root = store_root(options);
+  if (root.empty()) return;
+  const std::string key = render_key(options);
+  const std::uint64_t hash = checksum(reinterpret_cast<const std::uint8_t*>(key.data()), key.size());
+  const fs::path folder = fs::path(root) / fmt::format("{}{}-{:016x}", kPrefix, options.course, hash);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return;
+  // Says what the folder holds; its time is that of the last use.
+  const fs::path note = folder / "options.txt";
+  if (!fs::exists(note, error)) {
+    std::ofstream(note) << key;
+  } else {
+    fs::last_write_time(note, fs::file_time_type::clock::now(), error);
+  }
+  room_bytes_ = make_room(root, folder, static_cast<std::int64_t>(options.cache_limit_gb * 1e9));
+  folder_ = folder.string();
+}
+
+std::string RenderCache::path(std::int64_t frame) const { return fmt::format("{}/{:06d}.pair", folder_, frame); }
+
+bool RenderCache::load(std::int64_t frame, CleanPair& pair) const {
+  if (!enabled()) return false;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path(frame).c_str(), "rb"), &std::fclose);
+  if (file == nullptr) return false;
+  Header header{};
+  const std::size_t each = packed_size(width_, height_);
+  std::vector<std::uint8_t> data(2 * each);
+  if (std::fread(&header, sizeof header, 1, file.get()) != 1) return false;
+  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0 || header.width != width_ || header.height != height_ ||
+      header.frame != frame)
+    return false;
+  if (std::fread(data.data(), 1, data.size(), file.get()) != data.size()) return false;
+  if (checksum(data.data(), data.size()) != header.checksum) return false;
+  unpack(data.data(), width_, height_, pair.left);
+  unpack(data.data() + each, width_, height_, pair.right);
+  return true;
+}
+
+void RenderCache::store(std::int64_t frame, const CleanPair& pair) const {
+  if (!enabled()) return;
+  const std::size_t each = packed_size(width_, height_);
+  static std::atomic<std::int64_t> written{0};
+  if (written.load() + static_cast<std::int64_t>(2 * each) > room_bytes_) return;
+  std::vector<std::uint8_t> data(2 * each);
+  pack(pair.left, data.data());
+  pack(pair.right, data.data() + each);
+  Header header{};
+  std::memcpy(header.magic, kMagic, sizeof kMagic);
+  header.width = width_;
+  header.height = height_;
+  header.frame = frame;
+  header.checksum = checksum(data.data(), data.size());
+  // Under another name first: whoever reads at the same time sees the whole file or none.
+  static std::atomic<std::uint64_t> count{0};
+  const std::string target = path(frame);
+  const std::string temporary = fmt::format("{}.{}.{}", target, ::getpid(), count++);
+  bool good = false;
+  {
+    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(temporary.c_str(), "wb"), &std::fclose);
+    if (file == nullptr) return;
+    good = std::fwrite(&header, sizeof header, 1, file.get()) == 1 &&
+           std::fwrite(data.data(), 1, data.size(), file.get()) == data.size() && std::fflush(file.get()) == 0;
+  }
+  if (good && std::rename(temporary.c_str(), target.c_str()) == 0) {
+    written += static_cast<std::int64_t>(2 * each);
+  } else {
+    std::remove(temporary.c_str());
+  }
+}
+
+}  // namespace cliquevo::drivers::sim

@@ -1,0 +1,60 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Noise-free images of the stereo pair and their exact depth.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/image.h"
+#include "drivers/simulator/course.h"
+#include "drivers/simulator/raster.h"
+#include "drivers/simulator/world.h"
+
+namespace cliquevo::drivers::sim {
+
+// Grey levels are kept in sixteenths: far below any sensor's noise, and 12 bits a pixel.
+inline constexpr int kGreyScale = 16;
+inline constexpr int kGreyMax = 4095;
+// Raised whenever the same options give other images: old caches are then left alone.
+inline constexpr int kRenderVersion = 1;
+
+struct CleanPair {
+  Image<std::uint16_t> left, right;
+};
+
+// What one thread needs for rendering.
+struct RenderScratch {
+  Plane inverse_depth, grey, light;
+  std::vector<char> row_shadowed;
+  std::vector<float> sum;
+  RasterScratch raster;
+  std::vector<int> near;
+};
+
+class Renderer {
+ public:
+  Renderer(const SimulatorOptions& options, const Course& course, const World& world);
+
+  // Safe from several threads, each with its scratch.
+  void render(std::int64_t frame, RenderScratch& scratch, CleanPair& out) const;
+  // Disparity of the rectified left image, px; NaN where the ray meets nothing (sky, far hills).
+  void disparity(std::int64_t frame, RenderScratch& scratch, Image<float>& out) const;
+
+ private:
+  struct Visible {
+    Solid solid;
+    double level;
+    bool shadow;
+  };
+  View view(const RigidTransform& T_world_left, int eye) const;
+  void collect(const RigidTransform& T_world_left, double frame, RenderScratch& scratch,
+               std::vector<Visible>& visible) const;
+  void depth(const View& view, const std::vector<Visible>& visible, RenderScratch& scratch, Plane* grey) const;
+  void shade(const View& view, RenderScratch& scratch) const;
+
+  const SimulatorOptions& options_;
+  const Course& course_;
+  const World& world_;
+};
+
+}  // namespace cliquevo::drivers::sim

@@ -1,0 +1,203 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/simulator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "drivers/simulator/course.h"
+#include "drivers/simulator/render_cache.h"
+#include "drivers/simulator/renderer.h"
+#include "drivers/simulator/sensor.h"
+#include "drivers/simulator/world.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+using namespace sim;
+
+constexpr TimestampNs kEpochNs = 1'700'000'000'000'000'000;
+
+// Renders ahead: worker k of the pool takes the next frame that nobody has taken; frames are independent of each other,
+// so that their number and timing cannot change an image.
+class RenderedSimulator : public Simulator {
+ public:
+  explicit RenderedSimulator(const SimulatorOptions& options)
+      : options_(options),
+        course_(options_),
+        cache_(options_),
+        same_every_frame_(course_.still() && options.movers == 0) {
+    info_.width = options_.width;
+    info_.height = options_.height;
+    info_.rate_hz = options_.rate_hz / static_cast<double>(options_.every);
+    info_.frame_count = (options_.frames + options_.every - 1) / options_.every;
+    info_.description = fmt::format("simulator, {} course, world {}, noise {}", options_.course, options_.world_seed,
+                                    options_.noise_seed);
+    PrescribedRectification prescribed;
+    prescribed.model.width = options_.width;
+    prescribed.model.height = options_.height;
+    prescribed.model.fx_px = prescribed.model.fy_px = options_.focal_px;
+    prescribed.model.cx_px = 0.5 * (options_.width - 1);
+    prescribed.model.cy_px = 0.5 * (options_.height - 1);
+    prescribed.model.baseline_m = options_.baseline_m;
+    CameraCalibration eye;
+    eye.width = options_.width;
+    eye.height = options_.height;
+    eye.fx_px = eye.fy_px = options_.focal_px;
+    eye.cx_px = prescribed.model.cx_px;
+    eye.cy_px = prescribed.model.cy_px;
+    info_.calibration.left = info_.calibration.right = eye;
+    info_.calibration.T_right_left.t.x() = -options_.baseline_m;
+    info_.calibration.rectified = true;
+    info_.calibration.prescribed = prescribed;
+    info_.calibration.source = "simulator";
+    T_first_world_ = course_.T_world_camera(0.0).inverse();
+  }
+
+  ~RenderedSimulator() override {
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      stop_ = true;
+    }
+    changed_.notify_all();
+    for (std::thread& t : threads_) t.join();
+  }
+
+  const SourceInfo& info() const override { return info_; }
+
+  Result<bool> next(StereoPair& pair) override {
+    if (next_ >= info_.frame_count) return false;
+    const std::int64_t frame = next_ * options_.every;
+    if (threads_.empty()) start();
+    if (same_every_frame_) {
+      if (next_ == 0) produce(0, own_scratch_, still_);
+      deliver(frame, still_, pair);
+    } else {
+      Slot& slot = slots_[static_cast<std::size_t>(next_) % slots_.size()];
+      {
+        std::unique_lock<std::mutex> lock(mutex_);
+        changed_.wait(lock, [&] { return slot.holds == next_; });
+      }
+      deliver(frame, slot.pair, pair);
+      const std::lock_guard<std::mutex> lock(mutex_);
+      slot.holds = -1;
+      ++consumed_;
+    }
+    changed_.notify_all();
+    ++next_;
+    truth_of_ = -1;
+    return true;
+  }
+
+  ImageView<const float> truth_disparity() const override {
+    if (next_ == 0) return {};
+    const std::int64_t frame = (next_ - 1) * options_.every;
+    if (truth_of_ != frame) {
+      renderer().disparity(frame, own_scratch_, truth_);
+      truth_of_ = frame;
+    }
+    return truth_.view();
+  }
+
+ private:
+  struct Slot {
+    std::int64_t holds = -1;  // position in the source
+    CleanPair pair;
+  };
+
+  void start() {
+    if (same_every_frame_) return;
+    const unsigned cores = std::max(std::thread::hardware_concurrency(), 1U);
+    const std::int64_t wanted = options_.workers > 0 ? options_.workers : static_cast<std::int64_t>(cores);
+    const auto count = static_cast<std::size_t>(std::min(wanted, info_.frame_count));
+    slots_.resize(count + 2);
+    for (std::size_t k = 0; k < count; ++k) threads_.emplace_back([this] { work(); });
+  }
+
+  void work() {
+    RenderScratch scratch;
+    for (;;) {
+      std::int64_t mine = 0;
+      {
+        std::unique_lock<std::mutex> lock(mutex_);
+        changed_.wait(lock, [&] {
+          return stop_ || taken_ >= info_.frame_count || taken_ < consumed_ + static_cast<std::int64_t>(slots_.size());
+        });
+        if (stop_ || taken_ >= info_.frame_count) return;
+        mine = taken_++;
+      }
+      Slot& slot = slots_[static_cast<std::size_t>(mine) % slots_.size()];
+      produce(mine * options_.every, scratch, slot.pair);
+      {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        slot.holds = mine;
+      }
+      changed_.notify_all();
+    }
+  }
+
+  void produce(std::int64_t frame, RenderScratch& scratch, CleanPair& pair) const {
+    if (cache_.load(frame, pair)) return;
+    renderer().render(frame, scratch, pair);
+    cache_.store(frame, pair);
+  }
+
+  void deliver(std::int64_t frame, const CleanPair& clean, StereoPair& pair) const {
+    pair.index = next_;
+    pair.stamp_ns =
+        kEpochNs + static_cast<TimestampNs>(std::llround(static_cast<double>(frame) * 1e9 / options_.rate_hz));
+    expose(options_, frame, 0, clean.left.view(), pair.left);
+    expose(options_, frame, 1, clean.right.view(), pair.right);
+    pair.truth_T_world_camera =
+        frame == 0 ? RigidTransform{} : T_first_world_ * course_.T_world_camera(static_cast<double>(frame));
+  }
+
+  // The world is made when the first frame is not in the store.
+  const Renderer& renderer() const {
+    std::call_once(world_made_, [this] {
+      world_ = std::make_unique<World>(options_, course_);
+      renderer_ = std::make_unique<Renderer>(options_, course_, *world_);
+    });
+    return *renderer_;
+  }
+
+  const SimulatorOptions options_;
+  const Course course_;
+  const RenderCache cache_;
+  const bool same_every_frame_;
+  SourceInfo info_;
+  RigidTransform T_first_world_;
+  std::int64_t next_ = 0;
+
+  mutable std::once_flag world_made_;
+  mutable std::unique_ptr<World> world_;
+  mutable std::unique_ptr<Renderer> renderer_;
+
+  mutable RenderScratch own_scratch_;
+  CleanPair still_;
+  mutable Image<float> truth_;
+  mutable std::int64_t truth_of_ = -1;
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::vector<Slot> slots_;
+  std::int64_t taken_ = 0;
+  std::int64_t consumed_ = 0;
+  bool stop_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Simulator>> open_simulator(const SimulatorOptions& options) {
+  if (const Result<void> checked = options.check(); !checked) return checked.error();
+  return std::unique_ptr<Simulator>(std::make_unique<RenderedSimulator>(options));
+}
+
+}  // namespace cliquevo::drivers
