@@ -95,9 +95,11 @@ TEST_P(KernelTest, MatchRowEqualsTheReference) {
   unsigned seed = 1;
   for (const int window : {5, 7, 9, 11, 13, 15, 17, 19, 21}) {
     for (const int n : {16, 32, 48, 64, 80, 96, 128, 144, 256}) {
+      const int more = static_cast<int>(seed % 9);
+      const int below_zero = static_cast<int>(seed % 20);
       compare(tested, {window + 1, window + 1, window, -2, n}, ++seed);
-      compare(tested, {n + 2 * window + static_cast<int>(seed % 9), window, window, 3, n}, ++seed);
-      compare(tested, {n + 37, window + 4, window, -static_cast<int>(seed % 20), n}, ++seed);
+      compare(tested, {n + 2 * window + more, window, window, 3, n}, ++seed);
+      compare(tested, {n + 37, window + 4, window, -below_zero, n}, ++seed);
     }
   }
 }
