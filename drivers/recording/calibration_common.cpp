@@ -7,6 +7,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "drivers/recording/text_file.h"
+
 namespace cliquevo::drivers {
 
 namespace {
@@ -176,7 +178,7 @@ Result<void> set_distortion(const std::string& name, const std::vector<double>& 
       return Error{fmt::format("distortion has {} numbers instead of 4", n), where, "copy the calibration again"};
     }
   } else {
-    return Error{"distortion model " + key.substr(0, 32) + " is not known", where,
+    return Error{"distortion model " + printable(key.substr(0, 32)) + " is not known", where,
                  "use plumb_bob (radtan), rational_polynomial, equidistant or none"};
   }
   // OpenCV's thin prism and tilt follow the eight; only files that leave them at zero are of a model we have.

@@ -76,7 +76,8 @@ Result<CameraCalibration> raw_camera(const std::vector<TextLine>& lines, const s
   if (!D) return D.error();
   CameraCalibration camera;
   for (const double side : *S) {
-    if (side < 1.0 || side > 1e6) return calibration_error("image size is absurd", path + " (S_" + suffix + ")");
+    if (side < 1.0 || side > 1e6)
+      return calibration_error("image size is absurd", fmt::format("{} (S_{})", path, suffix));
   }
   camera.width = static_cast<int>(S.value()[0]);
   camera.height = static_cast<int>(S.value()[1]);
@@ -109,7 +110,8 @@ Result<StereoCalibration> raw_rectified_part(const std::vector<TextLine>& lines,
   const Result<std::vector<double>> S = numbers_of(lines, "S_rect_" + l, 2, path);
   if (!S) return S.error();
   for (const double side : *S) {
-    if (side < 1.0 || side > 1e6) return calibration_error("image size is absurd", path + " (S_rect_" + l + ")");
+    if (side < 1.0 || side > 1e6)
+      return calibration_error("image size is absurd", fmt::format("{} (S_rect_{})", path, l));
   }
   c.left.width = c.right.width = static_cast<int>(S.value()[0]);
   c.left.height = c.right.height = static_cast<int>(S.value()[1]);

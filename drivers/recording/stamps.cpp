@@ -129,7 +129,8 @@ Result<void> stamps_from_file(const std::string& path, Eye& eye) {
   for (std::size_t i = 0; i < rows->size(); ++i) {
     const StampRow& row = rows.value()[i];
     if (named && by_name.count(row.name) == 0) {
-      return Error{"times file names an image that is not there", fmt::format("{}:{} ({})", path, row.line, row.name),
+      return Error{"times file names an image that is not there",
+                   fmt::format("{}:{} ({})", path, row.line, printable(row.name)),
                    "copy the recording again, or correct the file"};
     }
     EyeImage& image = eye.images[named ? by_name[row.name] : i];

@@ -8,6 +8,8 @@
 #include <limits>
 #include <system_error>
 
+#include <fmt/format.h>
+
 namespace cliquevo::drivers {
 
 namespace {
@@ -16,11 +18,8 @@ constexpr std::string_view kBlanks = " \t\r\n\v\f";
 
 bool is_blank(char c) { return kBlanks.find(c) != std::string_view::npos; }
 
-// What the word looks like to a person, in case it is junk.
 std::string quoted(std::string_view word) {
-  std::string out = "'";
-  for (const char c : word.substr(0, 32)) out += c >= 32 && c < 127 ? c : '?';
-  return out + (word.size() > 32 ? "...'" : "'");
+  return fmt::format("'{}{}'", printable(word.substr(0, 32)), word.size() > 32 ? "..." : "");
 }
 
 }  // namespace
@@ -48,6 +47,12 @@ Result<std::string> read_text_file(const std::string& path, const std::string& k
   }
   if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
   return text;
+}
+
+std::string printable(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = c >= 32 && c < 127 ? c : '?';
+  return out;
 }
 
 std::string_view trim(std::string_view text) {

@@ -28,6 +28,9 @@ std::vector<TextLine> split_lines(std::string_view text);
 std::vector<std::string_view> split_words(std::string_view text);
 std::string_view trim(std::string_view text);
 
+// Control characters and bytes beyond ASCII shown as '?', for messages about junk.
+std::string printable(std::string_view text);
+
 // A finite decimal number and nothing else.
 std::optional<double> parse_number(std::string_view text);
 // Finite numbers; the Error's `what` names the bad word and why; `where` and `kind` are the caller's.

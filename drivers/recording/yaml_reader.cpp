@@ -59,7 +59,7 @@ Result<YamlReader> YamlReader::parse(std::string_view text, const std::string& p
     if (!node.IsMap()) return Error{"calibration is of no known format", path, "expected YAML with keys and values"};
     reader.node_ = std::make_shared<const YAML::Node>(node);
   } catch (const YAML::Exception& e) {
-    return Error{"calibration is no valid YAML (" + e.msg + ")", fmt::format("{}:{}", path, e.mark.line + 1),
+    return Error{"calibration is no valid YAML (" + printable(e.msg) + ")", fmt::format("{}:{}", path, e.mark.line + 1),
                  "copy it again: it may be torn"};
   }
   return reader;

@@ -12,7 +12,7 @@
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
 
-namespace YAML {
+namespace YAML {  // NOLINT(readability-identifier-naming)
 class Node;
 }
 
