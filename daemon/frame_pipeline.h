@@ -6,17 +6,12 @@
 #include <memory>
 
 #include "core/vo/visual_odometry.h"
+#include "daemon/stage_times.h"
 #include "drivers/frame_source.h"
 #include "stereo/dense_stereo.h"
 #include "stereo/rectify.h"
 
 namespace cliquevo::daemon {
-
-struct StageTimes {
-  std::int64_t rectify_ns = 0;
-  std::int64_t stereo_ns = 0;
-  std::int64_t odometry_ns = 0;
-};
 
 struct PipelineParams {
   stereo::StereoParams stereo;

@@ -171,7 +171,7 @@ void Pipeline::Impl::grab() {
       sleep_until(pacer.due_ns(slot.pair.stamp_ns, now_ns));
     }
     if (stopping()) break;
-    slot.times = {};
+    slot.frame.times = {};
     slot.stamps = {};
     slot.stamps.grabbed_ns = utc_now_ns();
     slot.grabbed_mono_ns = monotonic_ns();
@@ -243,7 +243,7 @@ void Pipeline::Impl::send_on(FrameSlot& slot) {
   Outgoing out;
   out.frame.index = slot.pair.index;
   out.frame.estimate = work.estimate();
-  out.frame.times = slot.times;
+  out.frame.times = slot.frame.times;
   out.frame.stamps = slot.stamps;
   out.frame.dropped = total_dropped();
   out.frame.resets = resets.load(std::memory_order_relaxed);

@@ -12,8 +12,8 @@
 #include "core/base/result.h"
 #include "core/rt/histogram.h"
 #include "core/rt/thread.h"
+#include "daemon/frame_slot.h"
 #include "daemon/published_frame.h"
-#include "daemon/stages.h"
 #include "drivers/frame_source.h"
 
 namespace cliquevo::daemon {

@@ -6,7 +6,7 @@
 
 #include "core/base/time.h"
 #include "core/vo/visual_odometry.h"
-#include "daemon/frame_pipeline.h"
+#include "daemon/stage_times.h"
 
 namespace cliquevo::daemon {
 

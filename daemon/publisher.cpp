@@ -47,7 +47,8 @@ struct Publisher::Impl {
         builder(T_body_camera),
         delta(config.delta_channel),
         pose(config.pose_channel),
-        status(config.status_channel) {}
+        status(config.status_channel),
+        health("VO_HEALTH") {}
 
   lcm::LCM lcm;
   MessageBuilder builder;
@@ -55,6 +56,7 @@ struct Publisher::Impl {
   Channel<update_t> delta;
   Channel<pose_t> pose;
   Channel<status_t> status;
+  Channel<health_t> health;
 };
 
 Result<Publisher> Publisher::make(const LcmConfig& config, const RigidTransform& T_body_camera) {
@@ -81,5 +83,7 @@ bool Publisher::publish(const PublishedFrame& frame) {
   const bool status_sent = m.status.send(m.lcm, m.messages.status);
   return delta_sent && pose_sent && status_sent;
 }
+
+bool Publisher::publish(const health_t& health) { return impl_->health.send(impl_->lcm, health); }
 
 }  // namespace cliquevo::daemon

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Estimates out over LCM: VO_DELTA_CAMERA, POSE_BODY and VO_STATUS for every frame.
+// Estimates out over LCM: VO_DELTA_CAMERA, POSE_BODY and VO_STATUS for every frame, VO_HEALTH now and then.
 #pragma once
 
 #include <memory>
+
+#include <cliquevo/health_t.hpp>
 
 #include "daemon/config.h"
 #include "daemon/published_frame.h"
@@ -19,6 +21,8 @@ class Publisher {
 
   // false: a message could not be sent.
   bool publish(const PublishedFrame& frame);
+  // VO_HEALTH; may be called from another thread than the one above.
+  bool publish(const health_t& health);
 
  private:
   struct Impl;

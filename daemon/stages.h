@@ -3,29 +3,23 @@
 // and on to the estimate. One after the other they are what FramePipeline does.
 #pragma once
 
-#include <memory>
-
 #include "core/base/image.h"
 #include "core/base/result.h"
 #include "core/vo/visual_odometry.h"
-#include "daemon/frame_pipeline.h"
-#include "daemon/published_frame.h"
+#include "daemon/stage_times.h"
 #include "drivers/frame_source.h"
 #include "stereo/dense_stereo.h"
 #include "stereo/rectify.h"
 
 namespace cliquevo::daemon {
 
-// A frame on its way. Whoever holds the slot owns all of it.
-struct FrameSlot {
-  drivers::StereoPair pair;           // by the grabber
-  Image<std::uint8_t> left;           // from here on by the stereo stage: rectified
+// What the stereo stage makes of a pair and the odometry stage reads; all of the rectified size.
+struct StereoFrame {
+  Image<std::uint8_t> left;           // rectified
   Image<std::uint8_t> right;          //
   Image<std::uint8_t> filtered_left;  // the paper's J
   Image<std::int16_t> disparity;      // px * 16
   StageTimes times;
-  FrameStamps stamps;
-  std::int64_t grabbed_mono_ns = 0;  // monotonic_ns() at stamps.grabbed_ns
 };
 
 class StereoStage {
@@ -33,25 +27,26 @@ class StereoStage {
   static Result<StereoStage> make(const stereo::StereoParams& params, const drivers::SourceInfo& source);
 
   const StereoModel& model() const { return rectifier_.model(); }
-  // The source's mask of the left eye on the rectified image; empty when it has none.
-  Result<Image<std::uint8_t>> rectified_mask(const drivers::SourceInfo& source) const;
+  const stereo::Rectifier& rectifier() const { return rectifier_; }
   // Takes all memory that run() will use.
-  void prepare(FrameSlot& slot) const;
-  // pair -> rectified images, filtered_left, disparity, times. No allocation.
-  Result<void> run(FrameSlot& slot);
+  void prepare(StereoFrame& frame) const;
+  // An Error names unusable input: images of another size than the calibration's. No allocation otherwise.
+  Result<void> run(const drivers::StereoPair& pair, StereoFrame& frame);
 
  private:
-  StereoStage(stereo::Rectifier rectifier, stereo::DenseStereo dense);
+  StereoStage(const StereoCalibration& calibration, stereo::Rectifier rectifier, stereo::DenseStereo dense);
+  StereoCalibration calibration_;
   stereo::Rectifier rectifier_;
   stereo::DenseStereo dense_;
+  Image<std::uint8_t> right_mask_;  // empty = all of it is usable
 };
 
 class OdometryStage {
  public:
-  static Result<OdometryStage> make(const vo::VoParams& params, const StereoModel& model,
-                                    ImageView<const std::uint8_t> left_mask);
-  // No allocation after the first frames.
-  Result<void> run(FrameSlot& slot);
+  static Result<OdometryStage> make(const vo::VoParams& params, const drivers::SourceInfo& source,
+                                    const StereoStage& stereo);
+  // As vo::VisualOdometry::process(). No allocation after the first frames.
+  Result<void> run(TimestampNs stamp_ns, StereoFrame& frame);
   const vo::Estimate& estimate() const { return odometry_.estimate(); }
   void reset() { odometry_.reset(); }
 

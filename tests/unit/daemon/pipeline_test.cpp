@@ -65,7 +65,7 @@ struct Bench {
     w.stereo = [this](FrameSlot& slot) -> Result<void> {
       if (stereo_ms > 0) nap_ms(stereo_ms);
       if (slot.pair.index == unusable_in_stereo) return Error{"unusable", "stereo", "look"};
-      slot.times.stereo_ns = slot.pair.index;
+      slot.frame.times.stereo_ns = slot.pair.index;
       return {};
     };
     w.odometry = [this](FrameSlot& slot) -> Result<void> {

@@ -52,8 +52,7 @@ TEST(PingPong, PlaysForwardThenBackwardWithStampsThatRiseAsTheWayDoes) {
     EXPECT_EQ(pair.left.view()(0, 0), expected[i]);
     EXPECT_EQ(pair.right.view()(7, 3), expected[i]);
     const auto way = [](int a, int b) { return std::abs(10 * (a * a - b * b)); };
-    if (i == 0) EXPECT_EQ(pair.stamp_ns, 1'000);
-    if (i > 0) EXPECT_EQ(pair.stamp_ns - before_ns, way(expected[i], expected[i - 1]));
+    EXPECT_EQ(pair.stamp_ns - before_ns, i == 0 ? 1'000 : way(expected[i], expected[i - 1]));
     before_ns = pair.stamp_ns;
   }
 }

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/daemon.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include "core/rt/memory.h"
+#include "daemon/config.h"
+#include "daemon/effective_config.h"
+#include "daemon/health.h"
+#include "daemon/log.h"
+#include "daemon/pipeline.h"
+#include "daemon/publisher.h"
+#include "daemon/service.h"
+#include "daemon/signals.h"
+#include "daemon/source.h"
+#include "daemon/stages.h"
+#include "daemon/trajectory_sink.h"
+#include "drivers/describe.h"
+
+namespace cliquevo::daemon {
+
+namespace {
+
+constexpr std::int64_t kTickNs = 100'000'000;        // how often the watchdog is fed
+constexpr std::int64_t kSecondNs = 1'000'000'000;    // health
+constexpr std::int64_t kPatienceNs = 5 * kSecondNs;  // for frames on their way once stopping
+
+Result<Config> load(const DaemonOptions& options) {
+  return options.config.empty() ? Result<Config>(default_config()) : read_config(options.config);
+}
+
+// What the working threads use.
+struct Workshop {
+  StereoStage stereo;
+  OdometryStage odometry;
+};
+
+Result<std::unique_ptr<Workshop>> make_workshop(const Config& config, const drivers::SourceInfo& source) {
+  auto stereo = StereoStage::make(config.stereo, source);
+  if (!stereo) return stereo.error();
+  auto odometry = OdometryStage::make(config.odometry, source, *stereo);
+  if (!odometry) return odometry.error();
+  return std::make_unique<Workshop>(Workshop{std::move(*stereo), std::move(*odometry)});
+}
+
+void describe(const drivers::SourceInfo& source, const StereoModel& model) {
+  spdlog::info(drivers::describe_source(source));
+  const std::string lines = drivers::describe_geometry(model);
+  std::size_t begin = 0;
+  while (begin < lines.size()) {
+    const std::size_t end = std::min(lines.find('\n', begin), lines.size());
+    spdlog::info(lines.substr(begin, end - begin));
+    begin = end + 1;
+  }
+}
+
+// What becomes of each estimate; runs on the output thread.
+struct Output {
+  Publisher publisher;
+  std::optional<TrajectorySink> trajectory;
+  SentCounts sent;
+
+  void operator()(const PublishedFrame& frame) {
+    if (!publisher.publish(frame) && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
+      spdlog::warn("LCM does not take messages: further ones are only counted");
+    }
+    if (frame.estimate.status == vo::Status::valid) sent.valid.fetch_add(1, std::memory_order_relaxed);
+    if (trajectory) trajectory->append(frame.estimate.stamp_ns, frame.estimate.T_world_camera);
+  }
+};
+
+// Feeds the watchdog, reports, and waits for the end of the source or a signal to stop.
+void watch(Pipeline& pipeline, Output& output, const Signals& signals, const std::string& source) {
+  Service service;
+  Health health(pipeline, output.sent, source);
+  std::int64_t next_report_ns = monotonic_ns() + kSecondNs;
+  while (!pipeline.wait_finished(0)) {
+    const int signal = signals.wait(kTickNs);
+    if (signal == SIGTERM || signal == SIGINT) {
+      spdlog::info("stopping: asked to by signal {}", signal);
+      break;
+    }
+    if (health.may_feed_watchdog()) service.feed_watchdog();
+    const std::int64_t now_ns = monotonic_ns();
+    if (now_ns >= next_report_ns) {
+      next_report_ns += kSecondNs * (1 + (now_ns - next_report_ns) / kSecondNs);
+      output.publisher.publish(health.update(now_ns));
+      service.status(health.status_text());
+      spdlog::debug(health.status_text());
+    }
+    if (health.ready()) service.ready();
+  }
+  service.stopping();
+  pipeline.stop();
+}
+
+}  // namespace
+
+int check(const DaemonOptions& options) {
+  const auto config = load(options);
+  if (!config) return report(config.error()), kBadInput;
+  if (const auto ok = config->check(); !ok) return report(ok.error()), kBadInput;
+  const auto source = open_source(config->source);
+  if (!source) return report(source.error()), kBadInput;
+  const auto workshop = make_workshop(*config, (*source)->info());
+  if (!workshop) return report(workshop.error()), kBadInput;
+  fmt::print("# {}\n", drivers::describe_source((*source)->info()));
+  fmt::print("{}", effective_config_yaml(*config));
+  return kDone;
+}
+
+int run(const DaemonOptions& options) {
+  const Signals signals;
+  const auto config = load(options);
+  if (!config) return report(config.error()), kBadInput;
+  if (const auto ok = config->check(); !ok) return report(ok.error()), kBadInput;
+  set_up_log(config->log_level);
+
+  auto source = open_source(config->source);
+  if (!source) return report(source.error()), kBadInput;
+  const drivers::SourceInfo& info = (*source)->info();
+  auto workshop = make_workshop(*config, info);
+  if (!workshop) return report(workshop.error()), kBadInput;
+  auto publisher = Publisher::make(config->lcm, config->T_body_camera);
+  if (!publisher) return report(publisher.error()), kBadInput;
+  Output output{std::move(*publisher), std::nullopt, {}};
+  if (!options.trajectory.empty()) {
+    auto trajectory = TrajectorySink::open(options.trajectory);
+    if (!trajectory) return report(trajectory.error()), kBadInput;
+    output.trajectory.emplace(std::move(*trajectory));
+  }
+  describe(info, (*workshop)->stereo.model());
+  spdlog::info("sending {}, {} and {} to {}", config->lcm.delta_channel, config->lcm.pose_channel,
+               config->lcm.status_channel, config->lcm.url);
+
+  Workshop& shop = **workshop;
+  PipelineWork work;
+  work.prepare = [&shop](FrameSlot& slot) { shop.stereo.prepare(slot.frame); };
+  work.stereo = [&shop](FrameSlot& slot) { return shop.stereo.run(slot.pair, slot.frame); };
+  work.odometry = [&shop](FrameSlot& slot) { return shop.odometry.run(slot.pair.stamp_ns, slot.frame); };
+  work.estimate = [&shop]() -> const vo::Estimate& { return shop.odometry.estimate(); };
+  work.reset = [&shop] { shop.odometry.reset(); };
+  work.output = [&output](const PublishedFrame& frame) { output(frame); };
+  PipelineOptions pipeline_options;
+  pipeline_options.speed = config->source.speed;
+  const std::string description = info.description;
+  auto pipeline = Pipeline::start(pipeline_options, std::move(work), std::move(*source));
+  if (!pipeline) return report(pipeline.error()), kBadInput;
+  for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
+
+  watch(*pipeline, output, signals, description);
+  if (!pipeline->wait_finished(kPatienceNs)) {
+    report({"a stage does not end", description, "the daemon ends without the frames on their way"});
+    std::fflush(nullptr);
+    std::_Exit(kBadInput);  // its thread cannot be joined
+  }
+  const PipelineCounts counts = pipeline->counts();
+  spdlog::info("{} frames: {} poses sent ({} valid), {} dropped, {} rejected", counts.grabbed, counts.published,
+               output.sent.valid.load(), counts.dropped, counts.rejected);
+  int exit_code = kDone;
+  if (output.trajectory) {
+    if (const auto ok = output.trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);
+  }
+  if (const auto ok = pipeline->outcome(); !ok) exit_code = (report(ok.error()), kBadInput);
+  return exit_code;
+}
+
+}  // namespace cliquevo::daemon

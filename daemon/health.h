@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// How the daemon gets on: once a second a message and a line for systemd; at any time, whether its watchdog may be fed.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <cliquevo/health_t.hpp>
+
+#include "core/rt/histogram.h"
+#include "daemon/pipeline.h"
+
+namespace cliquevo::daemon {
+
+// Counted by the output thread, read by the main one.
+struct SentCounts {
+  std::atomic<std::int64_t> valid{0};
+  std::atomic<std::int64_t> send_errors{0};
+};
+
+class Health {
+ public:
+  // A stage that has had work for longer without finishing any stands still.
+  static constexpr std::int64_t kStillNs = 1'000'000'000;
+
+  Health(const Pipeline& pipeline, const SentCounts& sent, std::string source_description);
+
+  // Fed by progress, not by time: false while a stage with work stands still. A source that sends nothing is no reason:
+  // it is waited for, and reported.
+  bool may_feed_watchdog() const;
+  // Frames have gone out, or it is clear that the source sends none.
+  bool ready() const;
+  // About once a second.
+  const health_t& update(std::int64_t now_mono_ns);
+  // One line: state, rate, latency, drops. Of the last update().
+  const std::string& status_text() const { return status_text_; }
+
+ private:
+  void judge(std::int64_t grabbed_now, std::int64_t sent_now);
+  void fill_latencies(health_t& out);
+
+  const Pipeline& pipeline_;
+  const SentCounts& sent_;
+  std::string source_;
+  std::int64_t start_ns_;
+  std::int64_t last_update_ns_;
+  std::int64_t last_frame_ns_;  // when a frame was last seen to have come
+  PipelineCounts last_counts_;
+  std::int64_t last_valid_ = 0;
+  std::vector<rt::Histogram::Counts> last_histograms_;
+  health_t message_{};
+  std::string status_text_ = "starting";
+};
+
+}  // namespace cliquevo::daemon

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevod: frames in, poses out over LCM, until told to stop.
+#include <exception>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "daemon/daemon.h"
+#include "daemon/log.h"
+
+int main(int argc, char** argv) {
+  using namespace cliquevo::daemon;
+  CLI::App app("Stereo visual odometry as a daemon: grabs stereo pairs and sends poses over LCM.", "cliquevod");
+  DaemonOptions options;
+  bool check_only = false;
+  app.add_option("--config", options.config, "Configuration file (default: the built-in settings)")->type_name("FILE");
+  app.add_flag("--check", check_only, "Validate configuration and calibration, print what is in force, and end");
+  app.add_option("--trajectory", options.trajectory, "Write the camera's poses here (KITTI format)")->type_name("FILE");
+  app.set_version_flag("--version", CLIQUEVO_VERSION);
+  app.footer(
+      "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage.\n"
+      "SIGTERM and SIGINT stop it cleanly: frames on their way still go out.");
+  try {
+    app.parse(argc, argv);
+    return check_only ? check(options) : run(options);
+  } catch (const CLI::Success& wanted) {  // --help, --version
+    return app.exit(wanted);
+  } catch (const CLI::ParseError& error) {
+    report({"wrong usage", "cliquevod", std::string(error.what()) + " (see cliquevod --help)"});
+    return kWrongUsage;
+  } catch (const std::exception& error) {  // out of memory, a library at its end
+    report({"cannot go on", "cliquevod", error.what()});
+    return kBadInput;
+  }
+}

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/service.h"
+
+#include <systemd/sd-daemon.h>
+
+namespace cliquevo::daemon {
+
+void Service::ready() {
+  if (is_ready_) return;
+  is_ready_ = true;
+  sd_notify(0, "READY=1");
+}
+
+void Service::status(const std::string& text) { sd_notify(0, ("STATUS=" + text).c_str()); }
+void Service::feed_watchdog() { sd_notify(0, "WATCHDOG=1"); }
+void Service::reloading() { sd_notify(0, "RELOADING=1"); }
+void Service::reloaded() { sd_notify(0, "READY=1"); }
+void Service::stopping() { sd_notify(0, "STOPPING=1"); }
+
+}  // namespace cliquevo::daemon
