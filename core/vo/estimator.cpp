@@ -7,13 +7,11 @@ namespace cliquevo::vo {
 
 namespace {
 
-Observation observation(const Feature& ref, const Feature& cur, int index, const VoParams& params) {
+Observation observation(const Feature& ref, const Feature& cur, int index) {
   Observation o;
   o.uvd_ref = {static_cast<double>(ref.x), static_cast<double>(ref.y), ref.disparity_px};
   o.uvd_cur = {static_cast<double>(cur.x), static_cast<double>(cur.y), cur.disparity_px};
   o.feature = index;
-  o.sigma_px = params.match_sigma_px;
-  o.sigma_d_px = params.match_disparity_sigma_px;
   return o;
 }
 
@@ -58,10 +56,11 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, Compa
   for (const int i : clique_) {
     const Match& m = matches_[static_cast<std::size_t>(i)];
     observations_.push_back(observation(reference.features[static_cast<std::size_t>(m.a)],
-                                        current.features[static_cast<std::size_t>(m.b)], m.a, params_));
+                                        current.features[static_cast<std::size_t>(m.b)], m.a));
   }
   references_.assign(1, RigidTransform{});
-  out.motion = solver_.solve(observations_, references_, T_ref_cur);
+  out.motion =
+      solver_.solve(observations_, references_, T_ref_cur, params_.match_sigma_px, params_.match_disparity_sigma_px);
   return out.motion.converged && out.motion.inliers >= params_.min_inliers;
 }
 
@@ -77,13 +76,15 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     observations_.clear();
     references_.assign(1, RigidTransform{});
     const int looked_for = tracker_.track(reference, current, out.motion.T_prev_cur, 0, observations_);
-    Motion refined = solver_.solve(observations_, references_, out.motion.T_prev_cur);
+    Motion refined =
+        solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
     if (key != nullptr && key != &reference && refined.converged) {
       const RigidTransform T_ref_key = reference.T_world_camera.inverse() * key->T_world_camera;
       references_.push_back(T_ref_key);
       const std::size_t before = observations_.size();
       tracker_.track(*key, current, T_ref_key.inverse() * refined.T_prev_cur, 1, observations_);
-      refined = solver_.solve(observations_, references_, refined.T_prev_cur);
+      refined =
+          solver_.solve(observations_, references_, refined.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
       int found = 0;
       for (std::size_t i = before; i < observations_.size(); ++i) found += observations_[i].inlier ? 1 : 0;
       out.key_overlap =

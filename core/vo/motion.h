@@ -9,6 +9,7 @@
 #include "core/base/camera_model.h"
 #include "core/base/rigid_transform.h"
 #include "core/vo/clique.h"
+#include "core/vo/kernels/kernels.h"
 #include "core/vo/vo_params.h"
 
 namespace cliquevo::vo {
@@ -17,15 +18,12 @@ namespace cliquevo::vo {
 // 1 / (z_a^4 + z_b^4), since range errors grow with z^2. False when the points do not fix a rotation.
 bool align_points(const std::vector<PointPair>& pairs, const std::vector<int>& members, RigidTransform& T_a_b);
 
-// One feature seen in a reference frame r and in the current frame c: (u, v, disparity) in px in both. sigma_px is the
-// noise of the match between the two positions.
+// One feature seen in a reference frame r and in the current frame c: (u, v, disparity) in px in both.
 struct Observation {
   Eigen::Vector3d uvd_ref;
   Eigen::Vector3d uvd_cur;
   int reference = 0;  // which reference frame (index into `T_prev_ref`)
   int feature = 0;    // caller's index
-  double sigma_px = 0.3;
-  double sigma_d_px = 1.0;
   // written by the solver
   bool inlier = true;
   double squared_sigmas = 0.0;  // squared Mahalanobis distance, mean of both ways
@@ -51,26 +49,25 @@ class MotionSolver {
 
   // Levenberg-Marquardt with analytic Jacobians from `start` over all observations flagged as inliers, robust (Huber);
   // then drop those beyond trim_sigmas, take in those within, and solve once more. T_prev_ref[k] places reference k in
-  // the previous camera's frame. Inlier flags and errors are written back.
+  // the previous camera's frame; observations come grouped by reference. Inlier flags and errors are written back.
   Motion solve(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
-               const RigidTransform& start) const;
+               const RigidTransform& start, double sigma_px, double sigma_d_px);
 
  private:
-  struct Normal {
-    Matrix6d H;
-    Vector6d g;
-    double cost;
-    Vector6d offset_h;  // and for a common error of all disparities
-    double offset_hh;
-    double offset_g;
-  };
-  void minimise(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
-                RigidTransform& T, Normal& normal) const;
-  double accumulate(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
-                    const RigidTransform& T, Normal* normal) const;
+  void load(const std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref);
+  void accumulate(const std::vector<RigidTransform>& T_prev_ref, const RigidTransform& T, MotionSums& sums) const;
+  void minimise(const std::vector<RigidTransform>& T_prev_ref, RigidTransform& T, MotionSums& sums) const;
+  // Where observation i is in the padded arrays.
+  std::size_t place(std::size_t i) const { return place_[i]; }
 
   StereoModel model_;
   VoParams params_;
+  double sigma_px_ = 0.0;
+  double sigma_d_px_ = 0.0;
+  std::vector<double> storage_;     // kMotionFields arrays
+  std::size_t capacity_ = 0;        // of each
+  std::vector<MotionTerms> terms_;  // one a reference
+  std::vector<std::size_t> place_;
 };
 
 }  // namespace cliquevo::vo

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/vo/patch.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-
-#include <Eigen/Cholesky>
-#include <Eigen/Core>
 
 namespace cliquevo::vo {
 
@@ -14,98 +13,100 @@ constexpr float kConverged = 0.01F;  // px: far below what noise allows
 constexpr float kMinGradient =
     4.0F;  // mean squared gradient (grey levels per px)^2 a patch must have in each direction
 
-// Bilinear samples on the warped grid around (x, y); false when one would lie outside.
-bool sample_patch(ImageView<const std::uint8_t> image, float x, float y, const Warp& w, int reach, float* out) {
-  const float r = static_cast<float>(reach);
-  const float span_x = r * (std::abs(w.xx) + std::abs(w.xy));
-  const float span_y = r * (std::abs(w.yx) + std::abs(w.yy));
-  if (!(x - span_x >= 0.0F && y - span_y >= 0.0F && x + span_x < static_cast<float>(image.width - 1) &&
-        y + span_y < static_cast<float>(image.height - 1))) {
-    return false;
-  }
-  for (int dy = -reach; dy <= reach; ++dy) {
-    for (int dx = -reach; dx <= reach; ++dx) {
-      const float fx = x + w.xx * static_cast<float>(dx) + w.xy * static_cast<float>(dy);
-      const float fy = y + w.yx * static_cast<float>(dx) + w.yy * static_cast<float>(dy);
-      const int ix = static_cast<int>(fx);
-      const int iy = static_cast<int>(fy);
-      const float ax = fx - static_cast<float>(ix);
-      const float ay = fy - static_cast<float>(iy);
-      const std::uint8_t* p = image.row(iy) + ix;
-      const std::uint8_t* q = p + image.stride;
-      const float top = static_cast<float>(p[0]) + ax * static_cast<float>(p[1] - p[0]);
-      const float bottom = static_cast<float>(q[0]) + ax * static_cast<float>(q[1] - q[0]);
-      *out++ = top + ay * (bottom - top);
+PatchGrid make_grid(int radius) {
+  PatchGrid grid{};
+  grid.radius = radius;
+  grid.side = 2 * radius + 3;
+  grid.row = (2 * radius + kPatchLanes) / kPatchLanes * kPatchLanes;
+  int i = 0;
+  for (int dy = -radius - 1; dy <= radius + 1; ++dy) {
+    for (int dx = -radius - 1; dx <= radius + 1; ++dx, ++i) {
+      grid.dx[i] = static_cast<float>(dx);
+      grid.dy[i] = static_cast<float>(dy);
     }
   }
-  return true;
+  for (int x = 0; x < 2 * radius + 1; ++x) grid.inside[x] = 1.0F;
+  return grid;
+}
+
+const PatchGrid& grid_of(int radius) {
+  static const std::array<PatchGrid, kMaxPatchRadius + 1> grids = [] {
+    std::array<PatchGrid, kMaxPatchRadius + 1> all{};
+    for (int r = 0; r <= kMaxPatchRadius; ++r) all[static_cast<std::size_t>(r)] = make_grid(r);
+    return all;
+  }();
+  return grids[static_cast<std::size_t>(radius)];
+}
+
+bool inside(ImageView<const std::uint8_t> image, const PatchPlace& p, int reach) {
+  const float r = static_cast<float>(reach);
+  const float span_x = r * (std::abs(p.xx) + std::abs(p.xy));
+  const float span_y = r * (std::abs(p.yx) + std::abs(p.yy));
+  return p.x - span_x >= 0.0F && p.y - span_y >= 0.0F && p.x + span_x < static_cast<float>(image.width - 3) &&
+         p.y + span_y < static_cast<float>(image.height - 3);
 }
 
 }  // namespace
 
 bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int radius, Template& out) {
+  const PatchGrid& grid = grid_of(radius);
+  const PatchPlace place{x, y, 1.0F, 0.0F, 0.0F, 1.0F};
+  if (!inside(image, place, radius + 1)) return false;
+  alignas(32) float samples[kMaxPatchSamples];
+  kernels().patch_sample(grid, image.data, image.stride, place, 0.0F, samples);
+  const int n = 2 * radius + 1;
+  float sum = 0.0F;
+  for (int i = 0; i < n; ++i) {
+    for (int j = 0; j < n; ++j) sum += samples[(i + 1) * grid.side + j + 1];
+  }
   out.radius = radius;
-  return sample_patch(image, x, y, {}, radius + 1, out.samples);
+  out.mean = sum / static_cast<float>(n * n);
+  out.tt = 0.0F;
+  for (int i = 0; i < n; ++i) {
+    const float* s = samples + (i + 1) * grid.side + 1;
+    const int row = i * grid.row;
+    for (int j = 0; j < n; ++j) {
+      const float t = s[j] - out.mean;
+      out.tt += t * t;
+      out.inner.t[row + j] = t;
+      out.inner.gx[row + j] = 0.25F * (s[j + 1] - s[j - 1]);
+      out.inner.gy[row + j] = 0.25F * (s[j + grid.side] - s[j - grid.side]);
+    }
+    for (int j = n; j < grid.row; ++j) out.inner.t[row + j] = out.inner.gx[row + j] = out.inner.gy[row + j] = 0.0F;
+  }
+  return true;
 }
 
 PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> image, float x, float y, const Warp& warp,
                    Freedom freedom, const PatchParams& params) {
   PatchFit fit;
   const int r = reference.radius;
-  const int side = 2 * (r + 1) + 1;
+  const PatchGrid& grid = grid_of(r);
   const float n = static_cast<float>((2 * r + 1) * (2 * r + 1));
-  float warped[kMaxPatchSide * kMaxPatchSide];
+  alignas(32) float samples[kMaxPatchSamples];
   const float start_x = x;
   const float start_y = y;
+  const float tt = reference.tt;
+  if (!(tt > n)) return fit;  // no contrast at all
   const float max_shift2 = static_cast<float>(params.max_shift_px * params.max_shift_px);
   for (int iteration = 0; iteration < params.iterations; ++iteration) {
-    if (!sample_patch(image, x, y, warp, r + 1, warped)) return fit;
+    const PatchPlace place{x, y, warp.xx, warp.xy, warp.yx, warp.yy};
+    if (!inside(image, place, r + 1)) return fit;
     // Least squares for W + Gx sx + Gy sy = gain T + bias, where G is the mean gradient of T and W (the second-order
-    // step). Sums over the patch:
-    float t = 0, w = 0, gx = 0, gy = 0, tt = 0, tw = 0, ww = 0;
-    float gxx = 0, gxy = 0, gyy = 0, gxt = 0, gyt = 0, gxw = 0, gyw = 0;
-    for (int i = 1; i < side - 1; ++i) {
-      const float* T = reference.samples + i * side;
-      const float* W = warped + i * side;
-      for (int j = 1; j < side - 1; ++j) {
-        const float gxj = 0.25F * (T[j + 1] - T[j - 1] + W[j + 1] - W[j - 1]);
-        const float gyj = 0.25F * (T[j + side] - T[j - side] + W[j + side] - W[j - side]);
-        t += T[j];
-        w += W[j];
-        gx += gxj;
-        gy += gyj;
-        tt += T[j] * T[j];
-        tw += T[j] * W[j];
-        ww += W[j] * W[j];
-        gxx += gxj * gxj;
-        gxy += gxj * gyj;
-        gyy += gyj * gyj;
-        gxt += gxj * T[j];
-        gyt += gyj * T[j];
-        gxw += gxj * W[j];
-        gyw += gyj * W[j];
-      }
-    }
+    // step) and T is without its mean.
+    PatchSums s;
+    kernels().patch_sample(grid, image.data, image.stride, place, reference.mean, samples);
+    kernels().patch_sums(grid, reference.inner, samples, s);
     // Take out the bias (means), then the gain.
-    tt -= t * t / n;
-    tw -= t * w / n;
-    ww -= w * w / n;
-    gxx -= gx * gx / n;
-    gxy -= gx * gy / n;
-    gyy -= gy * gy / n;
-    gxt -= gx * t / n;
-    gyt -= gy * t / n;
-    gxw -= gx * w / n;
-    gyw -= gy * w / n;
-    if (!(tt > n)) return fit;  // no contrast at all
-    const float gain = tw / tt;
+    const float ww = s.ww - s.w * s.w / n;
+    const float gain = s.tw / tt;
     if (!(gain > 0.3F && gain < 3.0F)) return fit;
-    gxx -= gxt * gxt / tt;
-    gxy -= gxt * gyt / tt;
-    gyy -= gyt * gyt / tt;
-    gxw -= gxt * gain;
-    gyw -= gyt * gain;
-    const float sse = ww - tw * gain;
+    const float gxx = s.gxx - s.gx * s.gx / n - s.gxt * s.gxt / tt;
+    const float gxy = s.gxy - s.gx * s.gy / n - s.gxt * s.gyt / tt;
+    const float gyy = s.gyy - s.gy * s.gy / n - s.gyt * s.gyt / tt;
+    const float gxw = s.gxw - s.gx * s.w / n - s.gxt * gain;
+    const float gyw = s.gyw - s.gy * s.w / n - s.gyt * gain;
+    const float sse = ww - s.tw * gain;
     float sx = 0.0F;
     float sy = 0.0F;
     if (freedom == Freedom::row_only) {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include "core/base/image.h"
+#include "core/vo/kernels/kernels.h"
 
 namespace cliquevo::vo {
 
@@ -31,12 +32,11 @@ struct PatchFit {
   float residual = 0.0F;  // RMS grey levels
 };
 
-inline constexpr int kMaxPatchRadius = 7;
-inline constexpr int kMaxPatchSide = 2 * (kMaxPatchRadius + 1) + 1;
-
-// A patch cut from an image once, to be found in others: (2 (r + 1) + 1)^2 samples, the outermost for gradients.
+// A patch cut from an image once, to be found in others.
 struct Template {
-  float samples[kMaxPatchSide * kMaxPatchSide];
+  PatchInner inner;
+  float mean = 0.0F;
+  float tt = 0.0F;  // sum of the squares of the samples less their mean
   int radius = 0;
 };
 

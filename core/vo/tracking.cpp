@@ -136,8 +136,6 @@ int Tracker::track(const Frame& reference, const Frame& current, const RigidTran
     o.uvd_cur = {fit.x, fit.y, d};
     o.reference = reference_index;
     o.feature = static_cast<int>(i);
-    o.sigma_px = params_.sigma_px;
-    o.sigma_d_px = params_.disparity_sigma_px;
     observations.push_back(o);
   }
   return looked_for;

@@ -2,6 +2,8 @@
 #include <immintrin.h>
 
 #include "core/vo/kernels/fast_circle.h"
+#include "core/vo/kernels/motion_sums.h"
+#include "core/vo/kernels/patch_sums.h"
 #include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
@@ -68,8 +70,38 @@ void sad_row(const std::uint8_t* descriptor, const std::uint8_t* others, int cou
   }
 }
 
+void patch_sample(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
+                  float mean, float* samples) {
+  const __m256 x = _mm256_set1_ps(place.x), y = _mm256_set1_ps(place.y);
+  const __m256 xx = _mm256_set1_ps(place.xx), xy = _mm256_set1_ps(place.xy);
+  const __m256 yx = _mm256_set1_ps(place.yx), yy = _mm256_set1_ps(place.yy);
+  const __m256i step = _mm256_set1_epi32(static_cast<int>(stride));
+  const __m256i byte = _mm256_set1_epi32(255);
+  const __m256 level = _mm256_set1_ps(mean);
+  const int n = grid.side * grid.side;
+  for (int i = 0; i < n; i += kPatchLanes) {
+    const __m256 dx = _mm256_load_ps(grid.dx + i), dy = _mm256_load_ps(grid.dy + i);
+    const __m256 fx = _mm256_add_ps(_mm256_add_ps(x, _mm256_mul_ps(xx, dx)), _mm256_mul_ps(xy, dy));
+    const __m256 fy = _mm256_add_ps(_mm256_add_ps(y, _mm256_mul_ps(yx, dx)), _mm256_mul_ps(yy, dy));
+    const __m256i ix = _mm256_cvttps_epi32(fx), iy = _mm256_cvttps_epi32(fy);
+    const __m256 ax = _mm256_sub_ps(fx, _mm256_cvtepi32_ps(ix)), ay = _mm256_sub_ps(fy, _mm256_cvtepi32_ps(iy));
+    // Each gather brings four neighbours of a row, of which the first two count.
+    const __m256i at = _mm256_add_epi32(_mm256_mullo_epi32(iy, step), ix);
+    const __m256i p = _mm256_i32gather_epi32(reinterpret_cast<const int*>(image), at, 1);
+    const __m256i q = _mm256_i32gather_epi32(reinterpret_cast<const int*>(image + stride), at, 1);
+    const __m256i p0 = _mm256_and_si256(p, byte), p1 = _mm256_and_si256(_mm256_srli_epi32(p, 8), byte);
+    const __m256i q0 = _mm256_and_si256(q, byte), q1 = _mm256_and_si256(_mm256_srli_epi32(q, 8), byte);
+    const __m256 top =
+        _mm256_add_ps(_mm256_cvtepi32_ps(p0), _mm256_mul_ps(ax, _mm256_cvtepi32_ps(_mm256_sub_epi32(p1, p0))));
+    const __m256 low =
+        _mm256_add_ps(_mm256_cvtepi32_ps(q0), _mm256_mul_ps(ax, _mm256_cvtepi32_ps(_mm256_sub_epi32(q1, q0))));
+    const __m256 value = _mm256_add_ps(top, _mm256_mul_ps(ay, _mm256_sub_ps(low, top)));
+    _mm256_storeu_ps(samples + i, _mm256_sub_ps(value, level));
+  }
+}
+
 }  // namespace
 
-const Kernels kAvx2Kernels = {fast_row, sad_row};
+const Kernels kAvx2Kernels = {fast_row, sad_row, patch_sample, patch_sums_of<VectorFloats>, motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo

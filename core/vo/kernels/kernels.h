@@ -12,6 +12,81 @@ namespace cliquevo::vo {
 // Bytes from one descriptor to the next; unused bytes are 0.
 inline constexpr int kDescriptorStride = 128;
 
+// Step A5's observations of one reference frame, one array a quantity; `count` is a multiple of kMotionLanes, the rest
+// padded with inactive copies.
+inline constexpr int kMotionLanes = 4;
+inline constexpr double kBehindCamera = 1e12;  // squared error of a point that comes to lie behind the camera
+enum MotionField {
+  kQx,
+  kQy,
+  kQz,  // point of the reference, in the previous camera's frame
+  kDx,
+  kDy,
+  kDz,  // its change with its disparity
+  kPx,
+  kPy,
+  kPz,        // point of the current frame, in its own frame
+  kInverseD,  // 1 / (its disparity + doffs)
+  kRefU,
+  kRefV,
+  kRefD,  // observed, px
+  kCurU,
+  kCurV,
+  kCurD,
+  kActive,   // 1: counts, 0: does not
+  kSquared,  // out: squared sigmas
+  kMotionFields
+};
+struct MotionTerms {
+  double* field[kMotionFields];
+  int count;
+};
+struct MotionState {
+  double R[3][3], t[3];  // T_prev_cur
+  double M[3][3], m[3];  // T_ref_cur
+  double fx, fy, cx, cy, fx_baseline, doffs;
+  double weight_px, weight_d, variance_d;  // 1 / sigma^2 of positions and disparities, sigma^2 of disparities
+  double huber, min_depth;
+};
+struct MotionSums {
+  double H[21];  // upper triangle, row by row, of the perturbation [translation, rotation] on the right
+  double g[6];
+  double offset_h[6], offset_hh, offset_g;  // the same with an error common to all disparities
+  double cost;
+};
+
+// Patches of core/vo/patch.h: (2 r + 3)^2 samples, row by row without gaps; the outermost ring serves the gradients.
+inline constexpr int kMaxPatchRadius = 7;
+inline constexpr int kMaxPatchSide = 2 * kMaxPatchRadius + 3;
+inline constexpr int kPatchLanes = 8;
+inline constexpr int kMaxPatchSamples = kMaxPatchSide * kMaxPatchSide + 2 * kPatchLanes;  // whole packs may be written
+// Inner part, 2 r + 1 rows padded to whole packs.
+inline constexpr int kMaxPatchRow = 2 * kPatchLanes;
+inline constexpr int kMaxPatchInner = kMaxPatchRow * (2 * kMaxPatchRadius + 1);
+
+struct PatchGrid {
+  int radius;
+  int side;                                // 2 r + 3
+  int row;                                 // 2 r + 1 rounded up to whole packs
+  alignas(32) float dx[kMaxPatchSamples];  // of each sample from the centre
+  alignas(32) float dy[kMaxPatchSamples];
+  alignas(32) float inside[kMaxPatchRow];  // 1 in the lanes of an inner row, 0 in its padding
+};
+// Where a patch is in an image: x + xx dx + xy dy, y + yx dx + yy dy.
+struct PatchPlace {
+  float x, y, xx, xy, yx, yy;
+};
+// A template's inner part, padded with 0: samples less their mean, and half their central differences.
+struct PatchInner {
+  alignas(32) float t[kMaxPatchInner];
+  alignas(32) float gx[kMaxPatchInner];
+  alignas(32) float gy[kMaxPatchInner];
+};
+// Sums over the inner part; w: samples of the image, g: mean gradient of template and image.
+struct PatchSums {
+  float w, ww, tw, gx, gy, gxx, gxy, gyy, gxt, gyt, gxw, gyw;
+};
+
 struct Kernels {
   // FAST-9 corners of one row: pixels x0 <= x < x1 of `row` (3 px of image on every side) with 9 contiguous pixels of
   // the 16 on the circle all brighter than centre + threshold or all darker than centre - threshold. Writes columns in
@@ -22,6 +97,13 @@ struct Kernels {
   // `length` bytes each, rounded up to a multiple of 32 (the rest is 0).
   void (*sad_row)(const std::uint8_t* descriptor, const std::uint8_t* others, int count, int length,
                   std::uint16_t* scores);
+  // Bilinear samples of the image less `mean`. The caller has made sure that all lie inside, 3 px from the right and
+  // the lower border.
+  void (*patch_sample)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
+                       float mean, float* samples);
+  void (*patch_sums)(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out);
+  // Adds one reference frame's part of the normal equations, and writes each observation's squared sigmas.
+  void (*motion_sums)(const MotionTerms& terms, const MotionState& state, MotionSums& out);
 };
 
 // The table of the instruction set in force (core/base/isa.h).

@@ -3,6 +3,8 @@
 #include <cstdlib>
 
 #include "core/vo/kernels/fast_circle.h"
+#include "core/vo/kernels/motion_sums.h"
+#include "core/vo/kernels/patch_sums.h"
 #include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
@@ -33,6 +35,7 @@ void sad_row(const std::uint8_t* descriptor, const std::uint8_t* others, int cou
 
 }  // namespace
 
-const Kernels kReferenceKernels = {fast_row, sad_row};
+const Kernels kReferenceKernels = {fast_row, sad_row, patch_sample_plain, patch_sums_of<PlainFloats>,
+                                   motion_sums_of<PlainPack>};
 
 }  // namespace cliquevo::vo

@@ -2,6 +2,8 @@
 #include <smmintrin.h>
 
 #include "core/vo/kernels/fast_circle.h"
+#include "core/vo/kernels/motion_sums.h"
+#include "core/vo/kernels/patch_sums.h"
 #include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
@@ -69,6 +71,7 @@ void sad_row(const std::uint8_t* descriptor, const std::uint8_t* others, int cou
 
 }  // namespace
 
-const Kernels kSse4Kernels = {fast_row, sad_row};
+const Kernels kSse4Kernels = {fast_row, sad_row, patch_sample_plain, patch_sums_of<VectorFloats>,
+                              motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo

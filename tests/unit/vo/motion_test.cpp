@@ -39,7 +39,6 @@ std::vector<Observation> observe(const RigidTransform& T_ref_cur, int count, int
     if (static_cast<int>(out.size()) >= count - outliers)
       o.uvd_cur.head<2>() += Eigen::Vector2d(wrong(rng), -wrong(rng));
     o.reference = reference;
-    o.sigma_px = o.sigma_d_px = 0.3;
     out.push_back(o);
   }
   return out;
@@ -50,7 +49,7 @@ TEST(Motion, IsExactOnExactObservationsWhateverTheStart) {
   for (int trial = 0; trial < 20; ++trial) {
     const RigidTransform T = some_motion(rng, 1.0);
     std::vector<Observation> observations = observe(T, 60, 0, 0.0, rng);
-    const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {});
+    const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {}, 0.3, 0.3);
     ASSERT_TRUE(m.converged);
     EXPECT_LT(left_difference(T, m.T_prev_cur).norm(), 1e-7);
     EXPECT_EQ(m.inliers, 60);
@@ -64,7 +63,7 @@ TEST(Motion, DropsWrongMatchesAndStaysWithinItsCovariance) {
   for (int trial = 0; trial < trials; ++trial) {
     const RigidTransform T = some_motion(rng, 0.5);
     std::vector<Observation> observations = observe(T, 120, 12, 0.3, rng);
-    const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {});
+    const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {}, 0.3, 0.3);
     ASSERT_TRUE(m.converged);
     for (std::size_t i = 108; i < 120; ++i) EXPECT_FALSE(observations[i].inlier);
     const Vector6d e = left_difference(m.T_prev_cur, T);
@@ -82,7 +81,7 @@ TEST(Motion, TwoReferencesAgreeOnOneMotion) {
   std::vector<Observation> observations = observe(T_prev_cur, 40, 0, 0.0, rng, 0);
   const std::vector<Observation> more = observe(T_prev_key.inverse() * T_prev_cur, 40, 0, 0.0, rng, 1);
   observations.insert(observations.end(), more.begin(), more.end());
-  const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}, T_prev_key}, {});
+  const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}, T_prev_key}, {}, 0.3, 0.3);
   ASSERT_TRUE(m.converged);
   EXPECT_LT(left_difference(T_prev_cur, m.T_prev_cur).norm(), 1e-7);
   EXPECT_EQ(m.inliers, 80);
@@ -114,7 +113,7 @@ TEST(Motion, ClosedFormAlignmentIsExactAndRefusesALine) {
 
 TEST(Motion, WithoutObservationsThereIsNoMotionAndNoNan) {
   std::vector<Observation> none;
-  const Motion m = MotionSolver(kModel, {}).solve(none, {RigidTransform{}}, {});
+  const Motion m = MotionSolver(kModel, {}).solve(none, {RigidTransform{}}, {}, 0.3, 0.3);
   EXPECT_FALSE(m.converged);
   EXPECT_TRUE(m.covariance.allFinite());
   EXPECT_TRUE(m.T_prev_cur.is_finite());
