@@ -75,23 +75,20 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
   if (params_.refine) {
     observations_.clear();
     references_.assign(1, RigidTransform{});
-    const int looked_for = tracker_.track(reference, current, out.motion.T_prev_cur, 0, observations_);
-    Motion refined =
-        solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
-    if (key != nullptr && key != &reference && refined.converged) {
+    tracker_.track(reference, current, out.motion.T_prev_cur, 0, observations_);
+    std::size_t of_key = 0;  // where the key frame's observations begin
+    if (key != nullptr && key != &reference) {
       const RigidTransform T_ref_key = reference.T_world_camera.inverse() * key->T_world_camera;
       references_.push_back(T_ref_key);
-      const std::size_t before = observations_.size();
-      tracker_.track(*key, current, T_ref_key.inverse() * refined.T_prev_cur, 1, observations_);
-      refined =
-          solver_.solve(observations_, references_, refined.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
-      int found = 0;
-      for (std::size_t i = before; i < observations_.size(); ++i) found += observations_[i].inlier ? 1 : 0;
-      out.key_overlap =
-          static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(1, key->features.size()));
-    } else if (looked_for > 0) {
-      out.key_overlap = static_cast<double>(refined.inliers) / static_cast<double>(reference.features.size());
+      of_key = observations_.size();
+      tracker_.track(*key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, observations_);
     }
+    const Motion refined =
+        solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
+    int found = 0;
+    for (std::size_t i = of_key; i < observations_.size(); ++i) found += observations_[i].inlier ? 1 : 0;
+    const Frame& kept = of_key > 0 ? *key : reference;
+    out.key_overlap = static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(1, kept.features.size()));
     out.motion = refined;
   }
   out.eigenvalue_ratio = spread_ratio(observations_);

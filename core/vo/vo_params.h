@@ -12,7 +12,7 @@ enum class CornerImage { filtered, intensity };       // where step A2 looks for
 // Everything that steers the odometry. Defaults are the shipped ones: one set for every vehicle.
 struct VoParams {
   // A2, features
-  int max_features = 500;        // kept a frame, 50..1000
+  int max_features = 350;        // kept a frame, 50..1000
   int cell_px = 32;              // side of the cells over which features are spread, 16..256
   int corner_threshold = 20;     // FAST threshold to begin with, grey levels, 1..128; adapts to the picture
   int min_corner_threshold = 4;  // it never falls below this: weaker corners are noise
@@ -28,13 +28,13 @@ struct VoParams {
 
   // Sub-pixel refinement (beyond the paper; core/README.md has the reasons)
   bool refine = true;                 // find each feature of the reference again to a fraction of a pixel
-  int refine_radius_px = 4;           // half side of the patch, 2..7
+  int refine_radius_px = 3;           // half side of the patch, 2..7
   int refine_iterations = 8;          // at most
   double refine_max_residual = 12.0;  // RMS grey levels between patches (after gain and bias) above which it is dropped
   double sigma_px = 0.3;              // of a refined position
   double disparity_sigma_px = 1.0;    // of a refined disparity: loose, so that a systematic error cannot set the scale
   bool use_key_frame = true;          // estimate against a kept reference as well as the previous frame
-  double key_frame_overlap = 0.5;     // a new reference when less than this share of its features is found again
+  double key_frame_overlap = 0.4;     // a new reference when less than this share of its features is found again
 
   // A5, motion
   int solver_iterations = 15;  // Levenberg-Marquardt, at most
