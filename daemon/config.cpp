@@ -314,10 +314,7 @@ Result<void> Config::check() const {
   }
   if (auto ok = in_section("stereo", stereo.check()); !ok) return ok;
   if (auto ok = in_section("odometry", odometry.check()); !ok) return ok;
-#ifdef CLIQUEVO_HAVE_SIMULATOR
-  if (auto ok = in_section("source.simulator", source.simulator.check()); !ok) return ok;
-#endif
-  return {};
+  return in_section("source.simulator", source.simulator.check());
 }
 
 std::vector<std::pair<std::string, std::string>> list_config(const Config& config) {

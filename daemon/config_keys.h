@@ -50,6 +50,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("source.simulator.motion_blur", simulator.motion_blur);
   v.key("source.simulator.exposure_changes", simulator.exposure_changes);
   v.key("source.simulator.cache_dir", simulator.cache_dir);
+  v.key("source.simulator.cache_limit_gb", simulator.cache_limit_gb);
   v.key("source.simulator.workers", simulator.workers);
 
   auto& stereo = c.stereo;

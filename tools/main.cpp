@@ -41,9 +41,10 @@ int run(int argc, char** argv) {
   } catch (const CLI::Success& wanted) {  // --help, --version
     return app.exit(wanted);
   } catch (const CLI::ParseError& error) {
-    return report(
-        {"wrong usage", command_name(app), std::string(error.what()) + " (see " + command_name(app) + " --help)"},
-        kWrongUsage);
+    const std::string command = command_name(app);
+    const bool unknown = app.get_subcommands().empty() && argc > 1 && argv[1][0] != '-';
+    const std::string problem = unknown ? std::string("there is no command '") + argv[1] + "'" : error.what();
+    return report({"wrong usage", command, problem + " (see " + command + " --help)"}, kWrongUsage);
   }
   return exit_code;
 }

@@ -40,12 +40,9 @@ Progress::~Progress() { finish(); }
 
 void Progress::update(std::int64_t done, double distance_m, const std::string& status) {
   const std::int64_t now_ns = monotonic_ns();
-  const std::int64_t tenth = total_ > 0 ? done * 10 / total_ : 0;
-  const bool due = terminal_ ? now_ns - last_ns_ >= kBarPeriodNs || done == total_
-                             : now_ns - last_ns_ >= kLinePeriodNs || tenth > last_tenth_;
+  const bool due = now_ns - last_ns_ >= (terminal_ ? kBarPeriodNs : kLinePeriodNs) || (terminal_ && done == total_);
   if (!due) return;
   last_ns_ = now_ns;
-  last_tenth_ = tenth;
   const double elapsed_s = static_cast<double>(now_ns - begin_ns_) * 1e-9;
   const double rate_hz = elapsed_s > 0.0 ? static_cast<double>(done) / elapsed_s : 0.0;
   const std::string line = progress_line(done, total_, rate_hz, distance_m, status, terminal_);

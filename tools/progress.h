@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far a long run is, on stderr: a bar on a terminal, a line now and then elsewhere.
+// How far a long run is, on stderr: a bar on a terminal, a line every ten seconds elsewhere.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,6 @@ class Progress {
   bool drawn_ = false;
   std::int64_t begin_ns_;
   std::int64_t last_ns_;
-  std::int64_t last_tenth_ = 0;
 };
 
 // "[=====>    ]  56/140  62.3 Hz  47.1 m  valid"

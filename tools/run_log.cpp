@@ -116,7 +116,7 @@ std::string reference_text(const RunReference& reference) {
     if (e.t_err_pct) out += fmt::format(", segments {:.3f} % {:.5f} deg/m", *e.t_err_pct, *e.r_err_deg_m);
     out += ", ";
   }
-  return out + fmt::format("ATE {:.3f} m\n", e.ate_m);
+  return out + fmt::format("ATE {:.4f} m\n", e.ate_m);
 }
 
 }  // namespace

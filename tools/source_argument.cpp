@@ -14,7 +14,6 @@ constexpr const char* kSimulator = "sim";
 
 Result<std::unique_ptr<drivers::FrameSource>> open_simulated(const SourceArgument& argument,
                                                              const daemon::SourceConfig& config) {
-#ifdef CLIQUEVO_HAVE_SIMULATOR
   drivers::SimulatorOptions options = config.simulator;
   if (argument.text != kSimulator) {
     const auto parsed = drivers::parse_simulator_options(argument.text.substr(4));
@@ -24,10 +23,6 @@ Result<std::unique_ptr<drivers::FrameSource>> open_simulated(const SourceArgumen
   auto simulator = drivers::open_simulator(options);
   if (!simulator) return simulator.error();
   return std::unique_ptr<drivers::FrameSource>(std::move(*simulator));
-#else
-  static_cast<void>(config);
-  return Error{"no simulator in this build", argument.text, "build it"};
-#endif
 }
 
 Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument& argument,
@@ -59,11 +54,8 @@ Result<void> check_source(const SourceArgument& argument) {
                    "simulator takes sim:frames=N,every=K,rate_hz=R"};
     }
     if (argument.text == kSimulator) return {};
-#ifdef CLIQUEVO_HAVE_SIMULATOR
     const auto parsed = drivers::parse_simulator_options(argument.text.substr(4));
-    if (!parsed) return parsed.error();
-    return parsed->check();
-#endif
+    return parsed ? Result<void>() : parsed.error();
   }
   if (argument.first && argument.last && *argument.last < *argument.first) {
     return Error{"wrong usage", "--last " + std::to_string(*argument.last),
