@@ -16,17 +16,24 @@ namespace cliquevo::drivers::sim {
 inline constexpr int kGreyScale = 16;
 inline constexpr int kGreyMax = 4095;
 // Raised whenever the same options give other images: old caches are then left alone.
-inline constexpr int kRenderVersion = 1;
+inline constexpr int kRenderVersion = 2;
 
 struct CleanPair {
   Image<std::uint16_t> left, right;
 };
 
+// One look at the world: a pixel of an image is the mean of several.
+struct Pass {
+  Plane inverse_depth;  // 0 = nothing there
+  Plane grey;           // of solids; negative elsewhere
+  Plane light;          // on the ground, in rows with row_shadowed
+  std::vector<char> row_shadowed;
+};
+
 // What one thread needs for rendering.
 struct RenderScratch {
-  Plane inverse_depth, grey, light;
-  std::vector<char> row_shadowed;
-  std::vector<float> sum;
+  static constexpr int kPasses = 4;
+  Pass passes[2][kPasses];
   RasterScratch raster;
   std::vector<int> near;
 };
@@ -49,8 +56,8 @@ class Renderer {
   View view(const RigidTransform& T_world_left, int eye) const;
   void collect(const RigidTransform& T_world_left, double frame, RenderScratch& scratch,
                std::vector<Visible>& visible) const;
-  void depth(const View& view, const std::vector<Visible>& visible, RenderScratch& scratch, Plane* grey) const;
-  void shade(const View& view, RenderScratch& scratch) const;
+  // 1/depth and, when asked for, the grey levels of solids and the shadows.
+  void look(const View& view, const std::vector<Visible>& visible, RasterScratch& scratch, bool grey, Pass& pass) const;
 
   const SimulatorOptions& options_;
   const Course& course_;

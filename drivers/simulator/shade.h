@@ -9,7 +9,7 @@ namespace cliquevo::drivers::sim {
 
 // One texture laid over the ground: texel coordinate = axis . (ground point relative to the camera) + origin.
 struct GroundLayer {
-  const std::uint32_t* quads;
+  const std::uint16_t* pairs;
   float axis_u[2];
   float axis_v[2];
   float origin_u, origin_v;

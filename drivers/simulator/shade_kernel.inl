@@ -3,6 +3,9 @@
 // no reduction, so that every instruction set computes the same bits.
 #include <cstdint>
 #include <cstring>
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
 
 #include "drivers/simulator/shade.h"
 #include "drivers/simulator/texture.h"
@@ -48,14 +51,43 @@ inline float bilinear(std::uint32_t q, float fu, float fv) {
   return top + fv * (bottom - top);
 }
 
+void load(const std::uint32_t* quads, const std::int32_t* index, std::uint32_t* out) {
+#ifdef __AVX2__
+  for (int i = 0; i < kN; i += 8) {
+    const __m256i at = _mm256_load_si256(reinterpret_cast<const __m256i*>(index + i));
+    const __m256i q = _mm256_i32gather_epi32(reinterpret_cast<const int*>(quads), at, 4);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(out + i), q);
+  }
+#else
+  for (int i = 0; i < kN; ++i) out[i] = quads[index[i]];
+#endif
+}
+
+// Texels index and index + 1, each with the one below it: bytes left, below left, right, below right.
+void load_pairs(const std::uint16_t* pairs, const std::int32_t* index, std::uint32_t* out) {
+#ifdef __AVX2__
+  for (int i = 0; i < kN; i += 8) {
+    const __m256i at = _mm256_load_si256(reinterpret_cast<const __m256i*>(index + i));
+    const __m256i q = _mm256_i32gather_epi32(reinterpret_cast<const int*>(pairs), at, 2);
+    _mm256_store_si256(reinterpret_cast<__m256i*>(out + i), q);
+  }
+#else
+  for (int i = 0; i < kN; ++i) {
+    const std::uint16_t* p = pairs + index[i];
+    out[i] = p[0] | static_cast<std::uint32_t>(p[1]) << 16;
+  }
+#endif
+}
+
 struct Block {
-  alignas(64) float x[kN], y[kN];          // ground point relative to the camera, m
-  alignas(64) float tap_x[kN], tap_y[kN];  // from the middle of the footprint to its two samples
-  alignas(64) float size[kN];              // m: what one sample averages over
+  alignas(64) float x[kN], y[kN];            // ground point relative to the camera, m
+  alignas(64) float axis_x[kN], axis_y[kN];  // unit vector along the footprint's long axis
+  alignas(64) float offset[kN];              // of the two samples along it, m
+  alignas(64) float size[kN];                // m: what one sample averages over
 };
 
-// Adds weight * (texture - 128) along the block: trilinear, one or two samples along the footprint's long axis.
-void add_layer(const GroundLayer& layer, const Block& block, bool two_taps, float* __restrict sum) {
+// Adds (texture - 128) along the block: trilinear, mean of one or two samples along the footprint's long axis.
+void add_layer(const GroundLayer& layer, const Block& block, int taps, float* __restrict sum) {
   alignas(64) std::int32_t level[kN];
   alignas(64) float between[kN];
   for (int i = 0; i < kN; ++i) {
@@ -65,19 +97,20 @@ void add_layer(const GroundLayer& layer, const Block& block, bool two_taps, floa
     level[i] = (bits >> 23) - 127;
     between[i] = as_float((bits & 0x7fffff) | 0x3f800000) - 1.0F;
   }
-  const int taps = two_taps ? 2 : 1;
-  const float share = two_taps ? 0.5F : 1.0F;
+  const float share = 1.0F / static_cast<float>(taps);
   for (int tap = 0; tap < taps; ++tap) {
-    const float sign = two_taps ? (tap == 0 ? -1.0F : 1.0F) : 0.0F;
+    const float sign = taps == 1 ? 0.0F : (tap == 0 ? -1.0F : 1.0F);
     alignas(64) float u[kN], v[kN];
     for (int i = 0; i < kN; ++i) {
-      const float x = block.x[i] + sign * block.tap_x[i];
-      const float y = block.y[i] + sign * block.tap_y[i];
+      const float offset = sign * block.offset[i];
+      const float x = block.x[i] + offset * block.axis_x[i];
+      const float y = block.y[i] + offset * block.axis_y[i];
       u[i] = layer.axis_u[0] * x + layer.axis_u[1] * y + layer.origin_u;
       v[i] = layer.axis_v[0] * x + layer.axis_v[1] * y + layer.origin_v;
     }
     for (int next = 0; next < 2; ++next) {
       alignas(64) std::int32_t index[kN];
+      alignas(64) std::uint32_t quad[kN];
       alignas(64) float fu[kN], fv[kN];
       for (int i = 0; i < kN; ++i) {
         const std::int32_t l = level[i] + next;
@@ -90,14 +123,13 @@ void add_layer(const GroundLayer& layer, const Block& block, bool two_taps, floa
         fv[i] = lv - static_cast<float>(iv);
         const std::int32_t bits = Tile::kLog2Size - l;
         const std::int32_t mask = (1 << bits) - 1;
-        // Texels of the finer levels: 4/3 of the difference of the areas.
-        const std::int32_t start =
-            static_cast<std::int32_t>(static_cast<std::uint32_t>((1 << (2 * Tile::kLog2Size)) - (1 << (2 * bits))) / 3U * 4U);
-        index[i] = start + ((iv & mask) << bits) + (iu & mask);
+        index[i] = (2 << (2 * Tile::kLog2Size)) - (2 << (2 * bits)) + (iv & mask) * ((1 << bits) + Tile::kPadding) +
+                   (iu & mask);
       }
+      load_pairs(layer.pairs, index, quad);
       for (int i = 0; i < kN; ++i) {
         const float weight = share * (next == 0 ? 1.0F - between[i] : between[i]);
-        sum[i] += weight * (bilinear(layer.quads[index[i]], fu[i], fv[i]) - 128.0F);
+        sum[i] += weight * (bilinear(quad[i], fv[i], fu[i]) - 128.0F);
       }
     }
   }
@@ -107,7 +139,6 @@ void ground(const GroundShading& s, const float* invz, const float* above, const
             float* out) {
   Block block;
   alignas(64) float depth[kN];
-  alignas(64) float separation[kN];
   const auto j = static_cast<float>(row);
   const float row_x = s.start[0] + j * s.per_row[0];
   const float row_y = s.start[1] + j * s.per_row[1];
@@ -138,29 +169,32 @@ void ground(const GroundShading& s, const float* invz, const float* above, const
     const bool v_longer = v_length > u_length;
     const float longer = v_longer ? v_length : u_length;
     const float shorter = v_longer ? u_length : v_length;
-    // Four passes with offsets of a quarter pixel each stand for a pixel: one covers a quarter of the long axis.
-    const float reach = 0.25F * longer;
-    const float least = 0.65F * shorter;
-    const float size = most_of(least, 0.5F * reach);
-    const float apart = most_of(reach - size, 0.0F);
+    // Two samples side by side along the long axis, overlapping those of the other passes (see renderer.cpp): their
+    // spread is that of 0.8 pixels, so that together with the passes' offsets nothing finer than the pixels gets
+    // through. Where the footprint is round one sample has that spread already.
+    const float size = most_of(0.8F * shorter, 0.2F * longer);
+    const float spread = 0.047F * longer * longer - (1.0F / 6.0F) * size * size;
     block.size[i] = size;
-    const float step = 0.5F * apart / most_of(longer, 1e-9F);
-    block.tap_x[i] = step * (v_longer ? vx : ux);
-    block.tap_y[i] = step * (v_longer ? vy : uy);
-    separation[i] = apart;
+    block.offset[i] = root(most_of(spread, 0.0F));
+    const float inverse = 1.0F / most_of(longer, 1e-9F);
+    block.axis_x[i] = inverse * (v_longer ? vx : ux);
+    block.axis_y[i] = inverse * (v_longer ? vy : uy);
   }
-  bool two_taps = false;
-  for (int i = 0; i < kN; ++i) two_taps = two_taps || separation[i] > 0.0F;
+  int round = 0;
+  for (int i = 0; i < kN; ++i) round += block.offset[i] <= 0.0F ? 1 : 0;
+  const int taps = round == kN ? 1 : 2;
 
   alignas(64) float gravel[kN] = {};
   alignas(64) float grass[kN] = {};
-  add_layer(s.gravel, block, two_taps, gravel);
-  add_layer(s.grass, block, two_taps, grass);
+  add_layer(s.gravel, block, taps, gravel);
+  add_layer(s.grass, block, taps, grass);
 
   alignas(64) std::int32_t index[kN];
+  alignas(64) std::uint32_t brightness[kN], grassiness[kN];
   alignas(64) float fu[kN], fv[kN];
   for (int i = 0; i < kN; ++i) {
-    const float u = least_of(most_of(block.x[i] * s.grid_per_m + s.grid_x, 0.0F), static_cast<float>(s.grid_columns - 2));
+    const float u =
+        least_of(most_of(block.x[i] * s.grid_per_m + s.grid_x, 0.0F), static_cast<float>(s.grid_columns - 2));
     const float v = least_of(most_of(block.y[i] * s.grid_per_m + s.grid_y, 0.0F), static_cast<float>(s.grid_rows - 2));
     const auto iu = static_cast<std::int32_t>(u);
     const auto iv = static_cast<std::int32_t>(v);
@@ -168,9 +202,11 @@ void ground(const GroundShading& s, const float* invz, const float* above, const
     fv[i] = v - static_cast<float>(iv);
     index[i] = iv * s.grid_columns + iu;
   }
+  load(s.brightness, index, brightness);
+  load(s.grassiness, index, grassiness);
   for (int i = 0; i < kN; ++i) {
-    const float base = bilinear(s.brightness[index[i]], fu[i], fv[i]);
-    const float mix = bilinear(s.grassiness[index[i]], fu[i], fv[i]) * (1.0F / 255.0F);
+    const float base = bilinear(brightness[i], fu[i], fv[i]);
+    const float mix = bilinear(grassiness[i], fu[i], fv[i]) * (1.0F / 255.0F);
     const float detail = (mix * grass[i] + (1.0F - mix) * gravel[i]) * (0.95F / 128.0F);
     const float lit = base * most_of(1.0F + detail, 0.08F);
     const float haze = least_of(most_of((depth[i] - s.haze_begin_m) * s.haze_per_m, 0.0F), 1.0F);
@@ -181,6 +217,7 @@ void ground(const GroundShading& s, const float* invz, const float* above, const
 
 void sky(const SkyShading& s, int row, int begin, float* out) {
   alignas(64) std::int32_t index[kN];
+  alignas(64) std::uint32_t quad[kN];
   alignas(64) float fu[kN], fv[kN];
   const auto j = static_cast<float>(row);
   for (int i = 0; i < kN; ++i) {
@@ -201,15 +238,17 @@ void sky(const SkyShading& s, int row, int begin, float* out) {
     angle = y < 0.0F ? 1.0F - angle : angle;
     const float rise = z / most_of(root(x * x + y * y), 1e-9F);
     const float u = angle * static_cast<float>(Panorama::kWidth);
-    const float v = least_of(most_of((rise - Panorama::kLowestRise) * (static_cast<float>(Panorama::kHeight) / Panorama::kRiseSpan), 0.0F),
-                             static_cast<float>(Panorama::kHeight - 2));
+    const float v = least_of(
+        most_of((rise - Panorama::kLowestRise) * (static_cast<float>(Panorama::kHeight) / Panorama::kRiseSpan), 0.0F),
+        static_cast<float>(Panorama::kHeight - 2));
     const auto iu = static_cast<std::int32_t>(u);
     const auto iv = static_cast<std::int32_t>(v);
     fu[i] = u - static_cast<float>(iu);
     fv[i] = v - static_cast<float>(iv);
     index[i] = (iv << Panorama::kLog2Width) + (iu & (Panorama::kWidth - 1));
   }
-  for (int i = 0; i < kN; ++i) out[i] = bilinear(s.quads[index[i]], fu[i], fv[i]);
+  load(s.quads, index, quad);
+  for (int i = 0; i < kN; ++i) out[i] = bilinear(quad[i], fu[i], fv[i]);
 }
 
 }  // namespace

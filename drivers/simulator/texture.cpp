@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <thread>
 
 #include "drivers/simulator/gradient_noise.h"
 #include "drivers/simulator/hash.h"
@@ -15,7 +16,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr int kMask = Tile::kSize - 1;
 
-using Canvas = std::vector<float>;
+using Canvas = LargeArray<float>;
 
 // Periodic noise: octaves of a random lattice, interpolated bicubically (B-spline), coarse to fine.
 void add_noise(Canvas& canvas, int size, int cell, float amplitude, std::uint64_t seed) {
@@ -55,18 +56,37 @@ void add_noise(Canvas& canvas, int size, int cell, float amplitude, std::uint64_
 struct Leaf {
   double x, y;
   double half_length, half_width;  // texels
-  double angle;
+  int direction;                   // of kDirections in half a turn
   float albedo;
   float slope;  // brightness from one side to the other: stones are lit from one side
 };
 
+constexpr int kDirections = 256;
+
+struct Direction {
+  float c, s;
+};
+
+const std::vector<Direction>& directions() {
+  static const std::vector<Direction> kTable = [] {
+    std::vector<Direction> t;
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = kPi * i / kDirections;
+      t.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))});
+    }
+    return t;
+  }();
+  return kTable;
+}
+
 void paint(Canvas& canvas, const Leaf& leaf) {
-  const auto c = static_cast<float>(std::cos(leaf.angle));
-  const auto s = static_cast<float>(std::sin(leaf.angle));
+  const auto [c, s] = directions()[static_cast<std::size_t>(leaf.direction)];
   const auto il = static_cast<float>(1.0 / leaf.half_length);
   const auto iw = static_cast<float>(1.0 / leaf.half_width);
-  const double reach_x = std::hypot(leaf.half_length * c, leaf.half_width * s);
-  const double reach_y = std::hypot(leaf.half_length * s, leaf.half_width * c);
+  const double l2 = leaf.half_length * leaf.half_length;
+  const double w2 = leaf.half_width * leaf.half_width;
+  const double reach_x = std::sqrt(l2 * c * c + w2 * s * s);
+  const double reach_y = std::sqrt(l2 * s * s + w2 * c * c);
   const int x0 = static_cast<int>(std::ceil(leaf.x - reach_x));
   const int x1 = static_cast<int>(std::floor(leaf.x + reach_x));
   const int y1 = static_cast<int>(std::floor(leaf.y + reach_y));
@@ -120,23 +140,38 @@ void normalise(Canvas& canvas, float mean, float deviation) {
 
 std::uint32_t byte(float v) { return static_cast<std::uint32_t>(std::clamp(v + 0.5F, 0.0F, 255.0F)); }
 
-void append_quads(std::vector<std::uint32_t>& quads, const Canvas& canvas, int size) {
+std::uint32_t quad(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+  return a | b << 8 | c << 16 | d << 24;
+}
+
+void append_quads(LargeArray<std::uint32_t>& quads, const Canvas& canvas, int size) {
   const int mask = size - 1;
   for (int y = 0; y < size; ++y) {
     const float* a = &canvas[static_cast<std::size_t>(y) * size];
     const float* b = &canvas[static_cast<std::size_t>((y + 1) & mask) * size];
     for (int x = 0; x < size; ++x) {
       const int xr = (x + 1) & mask;
-      quads.push_back(byte(a[x]) | byte(a[xr]) << 8 | byte(b[x]) << 16 | byte(b[xr]) << 24);
+      quads.push_back(quad(byte(a[x]), byte(a[xr]), byte(b[x]), byte(b[xr])));
     }
   }
 }
 
 Tile make_tile(Canvas canvas) {
   Tile tile;
+  tile.pairs.resize(Tile::start(Tile::kLastLevel + 1));
   int size = Tile::kSize;
   for (int level = 0;; ++level) {
-    append_quads(tile.quads, canvas, size);
+    std::vector<std::uint8_t> bytes(canvas.size());
+    std::transform(canvas.begin(), canvas.end(), bytes.begin(),
+                   [](float v) { return static_cast<std::uint8_t>(v + 0.5F); });
+    const int mask = size - 1;
+    for (int y = 0; y < size; ++y) {
+      const std::uint8_t* a = &bytes[static_cast<std::size_t>(y) * size];
+      const std::uint8_t* b = &bytes[static_cast<std::size_t>((y + 1) & mask) * size];
+      std::uint16_t* out = &tile.pairs[Tile::start(level) + static_cast<std::size_t>(y) * (size + Tile::kPadding)];
+      for (int x = 0; x < size + Tile::kPadding; ++x)
+        out[x] = static_cast<std::uint16_t>(a[x & mask] | b[x & mask] << 8);
+    }
     if (level == Tile::kLastLevel) break;
     const int half = size / 2;
     Canvas next(static_cast<std::size_t>(half) * half);
@@ -168,7 +203,7 @@ Tile make_gravel() {
         leaf.y = random.uniform(0.0, Tile::kSize);
         leaf.half_length = radius * random.uniform(0.8, 1.3);
         leaf.half_width = leaf.half_length * random.uniform(0.5, 0.95);
-        leaf.angle = random.uniform(0.0, kPi);
+        leaf.direction = static_cast<int>(random.uniform(0.0, kDirections));
         leaf.albedo = static_cast<float>(random.uniform(-1.0, 1.0)) * (radius > 16.0 ? 0.6F : 1.1F);
         leaf.slope = static_cast<float>(random.uniform(0.1, 0.7));
         paint(canvas, leaf);
@@ -198,7 +233,7 @@ Tile make_grass() {
       leaf.y = random.uniform(0.0, Tile::kSize);
       leaf.half_length = length * random.uniform(0.6, 1.4);
       leaf.half_width = width * random.uniform(0.7, 1.5);
-      leaf.angle = random.uniform(0.0, kPi);
+      leaf.direction = static_cast<int>(random.uniform(0.0, kDirections));
       const float below = ground[static_cast<std::size_t>(static_cast<int>(leaf.y) & kMask) * Tile::kSize +
                                  (static_cast<int>(leaf.x) & kMask)];
       leaf.albedo = 0.8F * below + static_cast<float>(random.uniform(-0.9, 1.0));
@@ -214,7 +249,7 @@ Tile make_grass() {
 
 SolidTexture make_stone() {
   constexpr int n = SolidTexture::kSize;
-  std::vector<float> volume(static_cast<std::size_t>(n) * n * n, 0.0F);
+  Canvas volume(static_cast<std::size_t>(n) * n * n, 0.0F);
   // Octaves of a periodic random lattice, trilinear.
   for (int cell = 16; cell >= 1; cell /= 2) {
     const int m = n / cell;
@@ -261,7 +296,7 @@ SolidTexture make_stone() {
     }
     if (level == SolidTexture::kLastLevel) break;
     const int half = size / 2;
-    std::vector<float> next(static_cast<std::size_t>(half) * half * half, 0.0F);
+    Canvas next(static_cast<std::size_t>(half) * half * half, 0.0F);
     for (int z = 0; z < size; ++z)
       for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x)
@@ -338,10 +373,11 @@ Panorama make_sky() {
       const float top_of_hill = ridge[static_cast<std::size_t>(x)];
       const float inside = std::clamp((top_of_hill - rise) / 0.0015F + 0.5F, 0.0F, 1.0F);
       if (inside > 0.0F) {
-        const auto wood = static_cast<float>(12.0 * gradient_noise(41, 0.08 * x, 0.20 * y) +
-                                             7.0 * gradient_noise(42, 0.3 * x, 0.5 * y));
         const float up = std::clamp(rise / 0.03F, 0.0F, 1.0F);
-        const float hill = 150.0F - 38.0F * up + wood * up;
+        const double wood =
+            up > 0.0F ? 12.0 * gradient_noise(41, 0.08 * x, 0.20 * y) + 7.0 * gradient_noise(42, 0.3 * x, 0.5 * y)
+                      : 0.0;
+        const float hill = 150.0F - 38.0F * up + static_cast<float>(wood) * up;
         v += inside * (hill - v);
       }
       canvas[static_cast<std::size_t>(y) * w + x] = v;
@@ -354,7 +390,7 @@ Panorama make_sky() {
     const float* b = &canvas[static_cast<std::size_t>(std::min(y + 1, h - 1)) * w];
     for (int x = 0; x < w; ++x) {
       const int xr = (x + 1) % w;
-      sky.quads.push_back(byte(a[x]) | byte(a[xr]) << 8 | byte(b[x]) << 16 | byte(b[xr]) << 24);
+      sky.quads.push_back(quad(byte(a[x]), byte(a[xr]), byte(b[x]), byte(b[xr])));
     }
   }
   return sky;
@@ -363,8 +399,19 @@ Panorama make_sky() {
 }  // namespace
 
 const Textures& textures() {
-  static const Textures made{make_gravel(), make_grass(), make_stone(), make_sky()};
-  return made;
+  static const Textures kMade = [] {
+    Textures t;
+    std::thread gravel([&] { t.gravel = make_gravel(); });
+    std::thread sky([&] {
+      t.sky = make_sky();
+      t.stone = make_stone();
+    });
+    t.grass = make_grass();
+    gravel.join();
+    sky.join();
+    return t;
+  }();
+  return kMade;
 }
 
 }  // namespace cliquevo::drivers::sim

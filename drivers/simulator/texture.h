@@ -6,15 +6,24 @@
 #include <cstdint>
 #include <vector>
 
+#include "drivers/simulator/large_array.h"
+
 namespace cliquevo::drivers::sim {
 
-// Square tile, each level half the size of the one before. A texel holds itself and its right, lower and lower right
-// neighbour (bytes 0 to 3), wrapped around: one load gives all that bilinear interpolation needs.
+// Square tile, each level half the size of the one before. An element holds a texel and the one below it (wrapped
+// around), and the first columns are repeated at the end of a row: one load of two elements gives all four texels that
+// bilinear interpolation needs, at half the memory of storing the four for each texel.
 struct Tile {
   static constexpr int kLog2Size = 11;
   static constexpr int kSize = 1 << kLog2Size;
   static constexpr int kLastLevel = 9;
-  std::vector<std::uint32_t> quads;  // levels one after the other
+  static constexpr int kPadding = 2;
+  LargeArray<std::uint16_t> pairs;
+
+  // Level l begins at 2 (4^11 - 4^(11-l)): a shift and no table.
+  static std::size_t start(int level) {
+    return (std::size_t{2} << (2 * kLog2Size)) - (std::size_t{2} << (2 * (kLog2Size - level)));
+  }
 };
 
 // Cube of solid texture for rocks and posts, quads in x and y as above.
@@ -22,7 +31,7 @@ struct SolidTexture {
   static constexpr int kLog2Size = 6;
   static constexpr int kSize = 1 << kLog2Size;
   static constexpr int kLastLevel = 4;
-  std::vector<std::uint32_t> quads;
+  LargeArray<std::uint32_t> quads;
   std::vector<std::uint32_t> level_start;
 };
 
@@ -33,7 +42,7 @@ struct Panorama {
   static constexpr int kHeight = 512;
   static constexpr float kLowestRise = -0.1F;
   static constexpr float kRiseSpan = 0.65F;
-  std::vector<std::uint32_t> quads;
+  LargeArray<std::uint32_t> quads;
 };
 
 struct Textures {
