@@ -12,6 +12,20 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define CLIQUEVO_THREAD_SANITIZER
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define CLIQUEVO_THREAD_SANITIZER
+#endif
+
+#ifdef CLIQUEVO_THREAD_SANITIZER
+// OpenCV initialises GDAL with its codecs, which takes two of its own locks in either order, in one thread.
+extern "C" __attribute__((weak, no_sanitize_thread)) const char* __tsan_default_suppressions();  // NOLINT
+extern "C" const char* __tsan_default_suppressions() { return "deadlock:libgdal\n"; }            // NOLINT
+#endif
+
 namespace cliquevo::drivers {
 
 namespace {

@@ -17,11 +17,12 @@ namespace {
 
 constexpr std::size_t kMostBytes = 256U << 20U;
 
-// Whole numbers that can only be ms, us or ns since 1970: 1973 to 2262 do not overlap.
+// Whole numbers that can only be ms, us or ns since 1970: from 1973 to 2262, where int64 ns end, they do not overlap.
 std::optional<TimestampNs> epoch_stamp(std::int64_t value) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
   if (value >= 100'000'000'000'000'000) return value;
-  if (value >= 100'000'000'000'000) return value * 1000;
-  if (value >= 100'000'000'000) return value * 1'000'000;
+  if (value >= 100'000'000'000'000 && value <= kMost / 1000) return value * 1000;
+  if (value >= 100'000'000'000 && value <= kMost / 1'000'000) return value * 1'000'000;
   return std::nullopt;
 }
 

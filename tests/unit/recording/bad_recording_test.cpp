@@ -155,6 +155,7 @@ TEST(bad_recording, times_that_are_junk) {
   with("0\nabc\n0.2\n0.4\n", {"no time", "times.txt:2"});
   with("0\nnan\n0.2\n0.4\n", {"no time", "times.txt:2"});
   with("0\n1e99\n0.2\n0.4\n", {"no time", "times.txt:2"});
+  with("0\n0.1\n0.2\n20105236816408\n", {"no time", "times.txt:4"});
   with("0\n0.1\n0.2\n99999999999999999999999\n", {"no time", "times.txt:4"});
   with(std::string("0\n\0\n", 4), {"NUL", "times.txt"});
   with("", {"empty", "times.txt"});
