@@ -312,6 +312,19 @@ Result<void> Config::check() const {
         std::pair{"lcm.status_channel", &lcm.status_channel}}) {
     if (channel->empty() || channel->size() > 63) return own_range(key, "give a name of 1 to 63 characters");
   }
+  for (const auto& [key, channel] :
+       {std::pair{"lcm.delta_body_channel", &lcm.delta_body_channel},
+        std::pair{"lcm.health_channel", &lcm.health_channel}, std::pair{"lcm.command_channel", &lcm.command_channel}}) {
+    if (channel->size() > 63) return own_range(key, "give a name of 63 characters at most, or none");
+  }
+  for (const auto& [key, cpu] : {std::pair{"realtime.stereo_cpu", realtime.stereo_cpu},
+                                 std::pair{"realtime.odometry_cpu", realtime.odometry_cpu}}) {
+    if (cpu < -1 || cpu > 1023) return own_range(key, "give -1 (any core), or a core from 0 to 1023");
+  }
+  for (const auto& [key, priority] : {std::pair{"realtime.stereo_priority", realtime.stereo_priority},
+                                      std::pair{"realtime.odometry_priority", realtime.odometry_priority}}) {
+    if (priority < 0 || priority > 99) return own_range(key, "give 0 (ordinary), or 1 to 99");
+  }
   if (auto ok = in_section("stereo", stereo.check()); !ok) return ok;
   if (auto ok = in_section("odometry", odometry.check()); !ok) return ok;
   return in_section("source.simulator", source.simulator.check());

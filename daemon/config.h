@@ -31,6 +31,18 @@ struct LcmConfig {
   std::string delta_channel = "VO_DELTA_CAMERA";
   std::string pose_channel = "POSE_BODY";
   std::string status_channel = "VO_STATUS";
+  std::string delta_body_channel;  // the delta as the body moves; these three: empty = off
+  std::string health_channel = "VO_HEALTH";
+  std::string command_channel = "VO_COMMAND";
+};
+
+// What the daemon asks of the machine. Rights that it has not are reported once, and it runs without.
+struct RealtimeConfig {
+  bool lock_memory = true;     // keep all memory in RAM
+  int stereo_cpu = -1;         // core of the stereo thread, -1 = any
+  int odometry_cpu = -1;       //
+  int stereo_priority = 50;    // SCHED_FIFO, 1 to 99; 0 = ordinary time sharing
+  int odometry_priority = 50;  //
 };
 
 // How the camera sits on the vehicle: rectified left camera in the body frame (X forward, Y left, Z up). All zero: at
@@ -48,6 +60,7 @@ struct Config {
   stereo::StereoParams stereo;
   vo::VoParams odometry;
   LcmConfig lcm;
+  RealtimeConfig realtime;
   Mounting body;
   RigidTransform T_body_camera;    // of `body`
   std::string log_level = "info";  // trace, debug, info, warn, error

@@ -102,6 +102,15 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("lcm.delta_channel", c.lcm.delta_channel);
   v.key("lcm.pose_channel", c.lcm.pose_channel);
   v.key("lcm.status_channel", c.lcm.status_channel);
+  v.key("lcm.delta_body_channel", c.lcm.delta_body_channel);
+  v.key("lcm.health_channel", c.lcm.health_channel);
+  v.key("lcm.command_channel", c.lcm.command_channel);
+
+  v.key("realtime.lock_memory", c.realtime.lock_memory);
+  v.key("realtime.stereo_cpu", c.realtime.stereo_cpu);
+  v.key("realtime.odometry_cpu", c.realtime.odometry_cpu);
+  v.key("realtime.stereo_priority", c.realtime.stereo_priority);
+  v.key("realtime.odometry_priority", c.realtime.odometry_priority);
 
   v.key("body.translation_m", c.body.translation_m);
   v.key("body.roll_pitch_yaw_deg", c.body.roll_pitch_yaw_deg);

@@ -3,6 +3,7 @@
 
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,6 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/rt/memory.h"
+#include "daemon/command_receiver.h"
 #include "daemon/config.h"
 #include "daemon/effective_config.h"
 #include "daemon/health.h"
@@ -28,8 +30,9 @@ namespace cliquevo::daemon {
 
 namespace {
 
-constexpr std::int64_t kTickNs = 100'000'000;        // how often the watchdog is fed
-constexpr std::int64_t kSecondNs = 1'000'000'000;    // health
+constexpr std::int64_t kTickNs = 100'000'000;      // how often the watchdog is fed
+constexpr std::int64_t kSecondNs = 1'000'000'000;  // health
+constexpr int kRoutePatience_s = 30;
 constexpr std::int64_t kPatienceNs = 5 * kSecondNs;  // for frames on their way once stopping
 
 Result<Config> load(const DaemonOptions& options) {
@@ -76,9 +79,59 @@ struct Output {
   }
 };
 
+// As a service it is started while the network comes up: it waits for a route to appear.
+Result<Publisher> make_publisher(const Config& config, const Signals& signals, Service& service) {
+  auto publisher = Publisher::make(config.lcm, config.T_body_camera);
+  for (int second = 0; !publisher && Service::is_managed() && second < kRoutePatience_s; ++second) {
+    if (second == 0) report(publisher.error());
+    service.status("waiting for a route for LCM messages");
+    service.feed_watchdog();
+    const int signal = signals.wait(kSecondNs);
+    if (signal == SIGTERM || signal == SIGINT) break;
+    publisher = Publisher::make(config.lcm, config.T_body_camera);
+  }
+  return publisher;
+}
+
+Result<std::optional<CommandReceiver>> listen(const Config& config, Pipeline& pipeline) {
+  std::optional<CommandReceiver> receiver;
+  if (config.lcm.command_channel.empty()) return receiver;
+  auto started = CommandReceiver::start(config.lcm.url, config.lcm.command_channel, [&pipeline](const command_t& c) {
+    if (c.command == command_t::RESET_POSE) {
+      spdlog::info("resetting the pose: asked to by a message");
+      pipeline.request_reset();
+    } else {
+      spdlog::warn("command {} is not known: ignored", static_cast<int>(c.command));
+    }
+  });
+  if (!started) return started.error();
+  receiver.emplace(std::move(*started));
+  return receiver;
+}
+
+// SIGHUP: what can change while running does, what cannot is named.
+void reload(const DaemonOptions& options, Config& in_force) {
+  const auto config = load(options);
+  if (!config) return report(config.error());
+  const auto old_keys = list_config(in_force);
+  const auto new_keys = list_config(*config);
+  for (std::size_t i = 0; i < new_keys.size(); ++i) {
+    const auto& [key, value] = new_keys[i];
+    if (value == old_keys[i].second) continue;
+    if (key == "log.level") {
+      in_force.log_level = config->log_level;
+      set_up_log(config->log_level);
+      spdlog::info("reloaded: {} is now {}", key, value);
+    } else {
+      spdlog::warn("reloaded: {} = {} takes effect at the next start", key, value);
+    }
+  }
+  spdlog::info("configuration read again");
+}
+
 // Feeds the watchdog, reports, and waits for the end of the source or a signal to stop.
-void watch(Pipeline& pipeline, Output& output, const Signals& signals, const std::string& source) {
-  Service service;
+void watch(Pipeline& pipeline, Output& output, const Signals& signals, Service& service, const std::string& source,
+           const std::function<void()>& on_hangup) {
   Health health(pipeline, output.sent, source);
   std::int64_t next_report_ns = monotonic_ns() + kSecondNs;
   while (!pipeline.wait_finished(0)) {
@@ -86,6 +139,11 @@ void watch(Pipeline& pipeline, Output& output, const Signals& signals, const std
     if (signal == SIGTERM || signal == SIGINT) {
       spdlog::info("stopping: asked to by signal {}", signal);
       break;
+    }
+    if (signal == SIGHUP) {
+      service.reloading();
+      on_hangup();
+      service.reloaded();
     }
     if (health.may_feed_watchdog()) service.feed_watchdog();
     const std::int64_t now_ns = monotonic_ns();
@@ -118,17 +176,22 @@ int check(const DaemonOptions& options) {
 
 int run(const DaemonOptions& options) {
   const Signals signals;
-  const auto config = load(options);
+  Service service;
+  auto config = load(options);
   if (!config) return report(config.error()), kBadInput;
   if (const auto ok = config->check(); !ok) return report(ok.error()), kBadInput;
   set_up_log(config->log_level);
+  if (config->realtime.lock_memory) {
+    const std::string refused = rt::lock_memory();
+    if (!refused.empty()) spdlog::warn("without real-time rights: memory is not locked: {}", refused);
+  }
 
   auto source = open_source(config->source);
   if (!source) return report(source.error()), kBadInput;
   const drivers::SourceInfo& info = (*source)->info();
   auto workshop = make_workshop(*config, info);
   if (!workshop) return report(workshop.error()), kBadInput;
-  auto publisher = Publisher::make(config->lcm, config->T_body_camera);
+  auto publisher = make_publisher(*config, signals, service);
   if (!publisher) return report(publisher.error()), kBadInput;
   Output output{std::move(*publisher), std::nullopt, {}};
   if (!options.trajectory.empty()) {
@@ -150,12 +213,20 @@ int run(const DaemonOptions& options) {
   work.output = [&output](const PublishedFrame& frame) { output(frame); };
   PipelineOptions pipeline_options;
   pipeline_options.speed = config->source.speed;
+  pipeline_options.stereo.cpu = config->realtime.stereo_cpu;
+  pipeline_options.stereo.fifo_priority = config->realtime.stereo_priority;
+  pipeline_options.odometry.cpu = config->realtime.odometry_cpu;
+  pipeline_options.odometry.fifo_priority = config->realtime.odometry_priority;
   const std::string description = info.description;
   auto pipeline = Pipeline::start(pipeline_options, std::move(work), std::move(*source));
   if (!pipeline) return report(pipeline.error()), kBadInput;
   for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
 
-  watch(*pipeline, output, signals, description);
+  {
+    const auto commands = listen(*config, *pipeline);
+    if (!commands) return report(commands.error()), kBadInput;
+    watch(*pipeline, output, signals, service, description, [&] { reload(options, *config); });
+  }
   if (!pipeline->wait_finished(kPatienceNs)) {
     report({"a stage does not end", description, "the daemon ends without the frames on their way"});
     std::fflush(nullptr);

@@ -26,6 +26,17 @@ void put(const Eigen::Matrix3d& R, double (&out)[4]) {
   out[3] = sign * q.z();
 }
 
+void put(const Matrix6d& M, double (&out)[6][6]) {
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < 6; ++c) out[r][c] = M(r, c);
+  }
+}
+
+Matrix6d sendable(const Matrix6d& covariance) {
+  if (covariance.allFinite()) return covariance;
+  return Matrix6d::Identity() * kUnknownVariance;
+}
+
 // Finite, and a rotation at all: the quaternion of a wreck may be NaN although the wreck is not.
 bool usable(const RigidTransform& T) {
   if (!T.is_finite()) return false;
@@ -43,13 +54,16 @@ std::int64_t stamp_us(TimestampNs ns) { return ns == 0 ? 0 : floor_us(ns); }
 }  // namespace
 
 MessageBuilder::MessageBuilder(const RigidTransform& T_body_camera)
-    : T_body_camera_(T_body_camera), T_camera_body_(T_body_camera.inverse()) {}
+    : T_body_camera_(T_body_camera),
+      T_camera_body_(T_body_camera.inverse()),
+      adjoint_body_camera_(adjoint(T_body_camera)) {}
 
 void MessageBuilder::build(const PublishedFrame& frame, TimestampNs publish_ns, FrameMessages& out) {
   const vo::Estimate& e = frame.estimate;
   const bool motion_ok = usable(e.T_prev_cur) && usable(e.T_world_camera) && e.covariance.allFinite();
   const bool errors_ok = std::isfinite(e.reprojection_error_px) && std::isfinite(e.eigenvalue_ratio);
   build_delta(e, motion_ok, out.delta);
+  build_delta_body(e, out.delta, out.delta_body);
   build_pose(frame, motion_ok, out.pose);
   build_status(frame, publish_ns, out.status);
   out.status.repaired = motion_ok && errors_ok ? 0 : 1;
@@ -65,14 +79,21 @@ void MessageBuilder::build_delta(const vo::Estimate& e, bool finite, update_t& o
   out.prev_timestamp = e.status == vo::Status::no_data ? out.timestamp : floor_us(e.prev_stamp_ns);
   put(T.t, out.translation);
   put(T.R, out.rotation);
-  const Matrix6d covariance =
-      e.covariance.allFinite() ? e.covariance : Matrix6d(Matrix6d::Identity() * kUnknownVariance);
-  for (int r = 0; r < 6; ++r) {
-    for (int c = 0; c < 6; ++c) out.covariance[r][c] = covariance(r, c);
-  }
+  put(sendable(e.covariance), out.covariance);
   // Readers of this type know 0 to 4 only.
   const bool degenerate = e.status == vo::Status::ambiguous || (e.status == vo::Status::valid && !finite);
   out.estimate_status = degenerate ? update_t::ESTIMATE_DEGENERATE : static_cast<std::int8_t>(e.status);
+}
+
+void MessageBuilder::build_delta_body(const vo::Estimate& e, const update_t& delta, update_t& out) const {
+  out = delta;
+  if (delta.estimate_status == update_t::ESTIMATE_VALID) {
+    const RigidTransform T = T_body_camera_ * e.T_prev_cur * T_camera_body_;
+    put(T.t, out.translation);
+    put(T.R, out.rotation);
+  }
+  // A perturbation x of the camera's delta on the left is Ad(T_body_camera) x of the body's.
+  put(sendable(adjoint_body_camera_ * sendable(e.covariance) * adjoint_body_camera_.transpose()), out.covariance);
 }
 
 void MessageBuilder::build_pose(const PublishedFrame& frame, bool finite, pose_t& out) {

@@ -25,6 +25,7 @@ constexpr std::int64_t floor_us(std::int64_t ns) { return ns / 1000 - (ns % 1000
 // Everything that goes out for one frame.
 struct FrameMessages {
   update_t delta{};
+  update_t delta_body{};
   pose_t pose{};
   status_t status{};
 };
@@ -41,6 +42,8 @@ class MessageBuilder {
 
  private:
   void build_delta(const vo::Estimate& estimate, bool finite, update_t& out) const;
+  // The camera's delta as the body's, its covariance turned with it.
+  void build_delta_body(const vo::Estimate& estimate, const update_t& delta, update_t& out) const;
   void build_pose(const PublishedFrame& frame, bool finite, pose_t& out);
   void build_status(const PublishedFrame& frame, TimestampNs publish_ns, status_t& out) const;
 
@@ -51,6 +54,7 @@ class MessageBuilder {
   };
   RigidTransform T_body_camera_;
   RigidTransform T_camera_body_;
+  Matrix6d adjoint_body_camera_;
   std::optional<SentPose> last_;
 };
 

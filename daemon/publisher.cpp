@@ -22,7 +22,9 @@ class Channel {
  public:
   explicit Channel(std::string name) : name_(std::move(name)) {}
 
+  // true also for a channel without a name: it is switched off.
   bool send(lcm::LCM& lcm, const Message& message) {
+    if (name_.empty()) return true;
     const auto size = static_cast<std::size_t>(message.getEncodedSize());
     if (buffer_.size() < size) buffer_.resize(size);
     const int used = message.encode(buffer_.data(), 0, static_cast<int>(size));
@@ -48,7 +50,8 @@ struct Publisher::Impl {
         delta(config.delta_channel),
         pose(config.pose_channel),
         status(config.status_channel),
-        health("VO_HEALTH") {}
+        delta_body(config.delta_body_channel),
+        health(config.health_channel) {}
 
   lcm::LCM lcm;
   MessageBuilder builder;
@@ -56,6 +59,7 @@ struct Publisher::Impl {
   Channel<update_t> delta;
   Channel<pose_t> pose;
   Channel<status_t> status;
+  Channel<update_t> delta_body;
   Channel<health_t> health;
 };
 
@@ -81,7 +85,8 @@ bool Publisher::publish(const PublishedFrame& frame) {
   const bool delta_sent = m.delta.send(m.lcm, m.messages.delta);
   const bool pose_sent = m.pose.send(m.lcm, m.messages.pose);
   const bool status_sent = m.status.send(m.lcm, m.messages.status);
-  return delta_sent && pose_sent && status_sent;
+  const bool delta_body_sent = m.delta_body.send(m.lcm, m.messages.delta_body);
+  return delta_sent && pose_sent && status_sent && delta_body_sent;
 }
 
 bool Publisher::publish(const health_t& health) { return impl_->health.send(impl_->lcm, health); }

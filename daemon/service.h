@@ -9,6 +9,8 @@ namespace cliquevo::daemon {
 
 class Service {
  public:
+  // Whether systemd started this program and listens.
+  static bool is_managed();
   void ready();  // once; later calls do nothing
   void status(const std::string& text);
   void feed_watchdog();

@@ -1,16 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/rt/memory.h"
 
+#include <algorithm>
 #include <alloca.h>
 #include <cerrno>
 #include <cstring>
 #include <limits>
 #include <malloc.h>
+#include <pthread.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 namespace cliquevo::rt {
 
 std::string lock_memory() {
+  // Under a limit, locking what comes later would make allocations fail instead.
+  rlimit limit{};
+  if (::geteuid() != 0 && ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+    return "locked memory is limited to " + std::to_string(limit.rlim_cur / 1024) + " kB (ulimit -l)";
+  }
   // Memory given back to the kernel would fault again when taken anew; so would every block that has a mapping of its
   // own.
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
@@ -19,11 +28,34 @@ std::string lock_memory() {
   return std::string("mlockall: ") + std::strerror(errno);
 }
 
+namespace {
+
+constexpr std::size_t kPage = 4096;
+constexpr std::size_t kMargin = 16 * kPage;  // for the calls made here
+
+// How far the stack may still grow. Less than its size: thread-local storage lies in it too.
+std::size_t stack_left() {
+  pthread_attr_t attributes;
+  if (pthread_getattr_np(pthread_self(), &attributes) != 0) return 0;
+  void* lowest = nullptr;
+  std::size_t size = 0;
+  pthread_attr_getstack(&attributes, &lowest, &size);
+  pthread_attr_destroy(&attributes);
+  const auto* here = static_cast<const char*>(__builtin_frame_address(0));
+  return static_cast<std::size_t>(here - static_cast<const char*>(lowest));
+}
+
 // Not inlined: alloca lasts until the function that it lands in returns.
-[[gnu::noinline]] void prefault_stack(std::size_t bytes) {
-  constexpr std::size_t kPage = 4096;
+[[gnu::noinline]] void touch_stack(std::size_t bytes) {
   auto* stack = static_cast<volatile char*>(alloca(bytes));
   for (std::size_t i = 0; i < bytes; i += kPage) stack[i] = 0;
+}
+
+}  // namespace
+
+void prefault_stack(std::size_t most) {
+  const std::size_t left = stack_left();
+  if (left > 2 * kMargin) touch_stack(std::min(most, left - kMargin));
 }
 
 }  // namespace cliquevo::rt

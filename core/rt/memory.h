@@ -12,7 +12,7 @@ namespace cliquevo::rt {
 // process goes on without).
 std::string lock_memory();
 
-// Touches `bytes` of the calling thread's stack, so that the pages are there.
-void prefault_stack(std::size_t bytes);
+// Touches what is left of the calling thread's stack, up to `most` bytes, so that the pages are there.
+void prefault_stack(std::size_t most);
 
 }  // namespace cliquevo::rt

@@ -35,9 +35,10 @@ bool all_finite(const FrameMessages& m) {
     return true;
   };
   return finite(m.delta.translation, 3) && finite(m.delta.rotation, 4) && finite(&m.delta.covariance[0][0], 36) &&
-         finite(m.pose.pos, 3) && finite(m.pose.vel, 3) && finite(m.pose.orientation, 4) &&
-         finite(m.pose.rotation_rate, 3) && finite(m.pose.accel, 3) && std::isfinite(m.status.reprojection_error_px) &&
-         std::isfinite(m.status.eigenvalue_ratio);
+         finite(m.delta_body.translation, 3) && finite(m.delta_body.rotation, 4) &&
+         finite(&m.delta_body.covariance[0][0], 36) && finite(m.pose.pos, 3) && finite(m.pose.vel, 3) &&
+         finite(m.pose.orientation, 4) && finite(m.pose.rotation_rate, 3) && finite(m.pose.accel, 3) &&
+         std::isfinite(m.status.reprojection_error_px) && std::isfinite(m.status.eigenvalue_ratio);
 }
 
 template <typename Theirs, typename Ours>
@@ -132,6 +133,37 @@ TEST(Messages, VelocitiesAreInTheWorldFrameAlsoAfterTheBodyHasTurned) {
   forward.t = {0.0, 0.0, 0.1};
   builder.build(next_valid(frame, forward), 0, sent);
   EXPECT_NEAR((vec(sent.pose.vel) - Eigen::Vector3d(0.0, 0.1 / (kPeriodNs * 1e-9), 0.0)).norm(), 0.0, 1e-9);
+}
+
+TEST(Messages, TheBodysDeltaIsTheCamerasTurnedAndItsCovarianceWithIt) {
+  const RigidTransform T_body_camera = forward_camera();
+  MessageBuilder builder(T_body_camera);
+  FrameMessages sent;
+  const PublishedFrame first = frame_at(0, vo::Status::no_data, {});
+  builder.build(first, 0, sent);
+  const PublishedFrame frame = next_valid(first, forward_and_left());
+  builder.build(frame, 0, sent);
+  // The body started at the world's origin: its delta is its pose.
+  EXPECT_NEAR((vec(sent.delta_body.translation) - vec(sent.pose.pos)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR((quat(sent.delta_body.rotation).coeffs() - quat(sent.pose.orientation).coeffs()).norm(), 0.0, 1e-12);
+  EXPECT_EQ(sent.delta_body.timestamp, sent.delta.timestamp);
+  EXPECT_EQ(sent.delta_body.prev_timestamp, sent.delta.prev_timestamp);
+
+  // Against differences: how the body's delta moves when the camera's is perturbed.
+  Matrix6d J;
+  const auto body_delta = [&](const RigidTransform& T) { return T_body_camera * T * T_body_camera.inverse(); };
+  constexpr double kStep = 1e-6;
+  for (int i = 0; i < 6; ++i) {
+    Vector6d x = Vector6d::Zero();
+    x[i] = kStep;
+    J.col(i) =
+        left_difference(body_delta(frame.estimate.T_prev_cur), body_delta(perturb_left(frame.estimate.T_prev_cur, x))) /
+        kStep;
+  }
+  const Matrix6d expected = J * frame.estimate.covariance * J.transpose();
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < 6; ++c) EXPECT_NEAR(sent.delta_body.covariance[r][c], expected(r, c), 1e-9) << r << ' ' << c;
+  }
 }
 
 TEST(Messages, AFailedFrameSendsTheIdentityAndAPoseThatIsMarkedAsAGuess) {

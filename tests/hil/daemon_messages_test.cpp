@@ -1,0 +1,232 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What an independent program receives from the daemon: LCM's own library, types from definitions of their own, over
+// real multicast.
+#include <atomic>
+#include <bot_core/pose_t.hpp>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <fovis/update_t.hpp>
+#include <fstream>
+#include <thread>
+#include <vector>
+
+#include <cliquevo/command_t.hpp>
+#include <cliquevo/health_t.hpp>
+#include <cliquevo/status_t.hpp>
+#include <gtest/gtest.h>
+#include <lcm/lcm-cpp.hpp>
+
+#include "daemon/trajectory_file.h"
+#include "tests/hil/private_network.h"
+#include "tests/support/subprocess.h"
+#include "tests/support/test_data.h"
+
+namespace cliquevo {
+namespace {
+
+constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
+
+class Subscriber {
+ public:
+  Subscriber() : lcm_(kUrl) {
+    EXPECT_TRUE(lcm_.good());
+    lcm_.subscribe("VO_DELTA_CAMERA", &Subscriber::on_delta, this)->setQueueCapacity(10'000);
+    lcm_.subscribe("POSE_BODY", &Subscriber::on_pose, this)->setQueueCapacity(10'000);
+    lcm_.subscribe("VO_STATUS", &Subscriber::on_status, this)->setQueueCapacity(10'000);
+    lcm_.subscribe("VO_HEALTH", &Subscriber::on_health, this)->setQueueCapacity(10'000);
+    thread_ = std::thread([this] {
+      while (!stop_) lcm_.handleTimeout(20);
+    });
+  }
+  ~Subscriber() { finish(); }
+
+  // Handles what is still there, then stops.
+  void finish() {
+    if (!thread_.joinable()) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    stop_ = true;
+    thread_.join();
+  }
+  // After finish(), but for the counters.
+  std::vector<fovis::update_t> deltas;
+  std::vector<bot_core::pose_t> poses;
+  std::vector<status_t> statuses;
+  std::vector<health_t> healths;
+  std::atomic<int> statuses_seen{0};
+  std::atomic<int> healths_seen{0};
+  std::atomic<int> resets_seen{0};
+
+ private:
+  void on_delta(const lcm::ReceiveBuffer*, const std::string&, const fovis::update_t* m) { deltas.push_back(*m); }
+  void on_pose(const lcm::ReceiveBuffer*, const std::string&, const bot_core::pose_t* m) { poses.push_back(*m); }
+  void on_status(const lcm::ReceiveBuffer*, const std::string&, const status_t* m) {
+    statuses.push_back(*m);
+    ++statuses_seen;
+    resets_seen = m->resets;
+  }
+  void on_health(const lcm::ReceiveBuffer*, const std::string&, const health_t* m) {
+    healths.push_back(*m);
+    ++healths_seen;
+  }
+
+  lcm::LCM lcm_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+bool all_finite(const double* values, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!std::isfinite(values[i])) return false;
+  }
+  return true;
+}
+
+// One message of each kind a frame, of the same instants, in order, every number finite.
+void expect_one_of_each(const Subscriber& got, std::size_t frames) {
+  ASSERT_EQ(got.deltas.size(), frames);
+  ASSERT_EQ(got.poses.size(), frames);
+  ASSERT_EQ(got.statuses.size(), frames);
+  std::int64_t last_valid_utime = 0;
+  for (std::size_t i = 0; i < frames; ++i) {
+    const fovis::update_t& delta = got.deltas[i];
+    const bot_core::pose_t& pose = got.poses[i];
+    const status_t& status = got.statuses[i];
+    EXPECT_EQ(delta.timestamp, status.utime);
+    EXPECT_EQ(pose.utime, status.utime);
+    if (i > 0) {
+      EXPECT_GT(status.utime, got.statuses[i - 1].utime);
+      EXPECT_GT(status.frame, got.statuses[i - 1].frame);
+      EXPECT_EQ(delta.prev_timestamp, last_valid_utime);
+    }
+    EXPECT_TRUE(all_finite(delta.translation, 3) && all_finite(delta.rotation, 4));
+    EXPECT_TRUE(all_finite(&delta.covariance[0][0], 36));
+    EXPECT_TRUE(all_finite(pose.pos, 3) && all_finite(pose.vel, 3) && all_finite(pose.orientation, 4));
+    EXPECT_TRUE(all_finite(pose.rotation_rate, 3) && all_finite(pose.accel, 3));
+    EXPECT_TRUE(std::isfinite(status.reprojection_error_px) && std::isfinite(status.eigenvalue_ratio));
+    EXPECT_EQ(status.repaired, 0);
+    EXPECT_LE(status.grabbed_utime, status.stereo_begin_utime);
+    EXPECT_LE(status.stereo_begin_utime, status.stereo_end_utime);
+    EXPECT_LE(status.stereo_end_utime, status.odometry_begin_utime);
+    EXPECT_LE(status.odometry_begin_utime, status.odometry_end_utime);
+    EXPECT_LE(status.odometry_end_utime, status.publish_utime);
+    if (i == 0 || delta.estimate_status == 1) last_valid_utime = delta.timestamp;
+  }
+}
+
+std::string write_config(const std::string& dir, const std::string& text) {
+  const std::string path = dir + "/config.yaml";
+  std::ofstream(path) << text;
+  return path;
+}
+
+std::string small_course(int frames, double speed, const char* loop) {
+  return "source:\n  type: simulator\n  speed: " + std::to_string(speed) + "\n  loop: " + loop +
+         "\n  simulator: {width: 256, height: 192, focal_px: 280, frames: " + std::to_string(frames) +
+         ", cache_dir: none}\nstereo: {num_disparities: 48}\n";
+}
+
+TEST(DaemonMessages, ASubscriberReceivesOneOfEachForEveryFrameInOrderAndNoneNan) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  Subscriber subscriber;
+  const std::string dir = test::scratch_dir();
+  test::Subprocess daemon({test::binary("cliquevod"), "--config", write_config(dir, small_course(25, 0.0, "none"))});
+  const test::Finished end = daemon.wait();
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  subscriber.finish();
+  expect_one_of_each(subscriber, 25);
+  EXPECT_EQ(subscriber.statuses.front().status, status_t::NO_DATA);
+  int valid = 0;
+  for (const status_t& status : subscriber.statuses) valid += status.status == status_t::VALID ? 1 : 0;
+  EXPECT_EQ(valid, 24);
+  EXPECT_EQ(subscriber.statuses.back().frame, 24);
+  EXPECT_GT(subscriber.poses.back().pos[0], 1.0) << "the course goes forward, which is the body's x";
+}
+
+TEST(DaemonMessages, ARecordingArrivesCompletelyAndAgreesWithItsTrajectory) {
+  CLIQUEVO_NEEDS_DATA("kitti_odometry_06");
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  Subscriber subscriber;
+  const std::string dir = test::scratch_dir();
+  const std::string config =
+      write_config(dir, "source:\n  type: recording\n  speed: 0\n  recording: {path: " + test::data_dir() +
+                            "/kitti_odometry_06, last: 19}\n");
+  test::Subprocess daemon({test::binary("cliquevod"), "--config", config, "--trajectory", dir + "/trajectory.txt"});
+  const test::Finished end = daemon.wait();
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  subscriber.finish();
+  expect_one_of_each(subscriber, 20);
+  const auto trajectory = daemon::read_trajectory(dir + "/trajectory.txt");
+  ASSERT_TRUE(trajectory.ok());
+  ASSERT_EQ(trajectory->poses.size(), 20u);
+  for (std::size_t i = 0; i < 20; ++i) {
+    // The camera looks forward from the body's origin: z is the body's x, x its -y, y its -z.
+    const Eigen::Vector3d t = trajectory->poses[i].T_world_camera.t;
+    const double(&pos)[3] = subscriber.poses[i].pos;
+    EXPECT_NEAR((Eigen::Vector3d(pos[0], pos[1], pos[2]) - Eigen::Vector3d(t.z(), -t.x(), -t.y())).norm(), 0.0, 1e-9);
+  }
+}
+
+TEST(DaemonMessages, SigtermEndsItCleanlyWithEveryPoseOfAProcessedFrameOut) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  Subscriber subscriber;
+  const std::string dir = test::scratch_dir();
+  test::Subprocess daemon({test::binary("cliquevod"), "--config", write_config(dir, small_course(10, 1.0, "pingpong")),
+                           "--trajectory", dir + "/trajectory.txt"});
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  while ((subscriber.statuses_seen < 12 || subscriber.healths_seen < 2) && std::chrono::steady_clock::now() < give_up) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  daemon.send(SIGTERM);
+  const test::Finished end = daemon.wait();
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  subscriber.finish();
+  const auto trajectory = daemon::read_trajectory(dir + "/trajectory.txt");
+  ASSERT_TRUE(trajectory.ok());
+  expect_one_of_each(subscriber, trajectory->poses.size());
+  EXPECT_GE(trajectory->poses.size(), 12u) << "goes on beyond the course's end";
+  ASSERT_GE(subscriber.healths.size(), 2u);
+  const health_t& health = subscriber.healths.back();
+  EXPECT_EQ(health.state, health_t::RUNNING) << health.state_text;
+  EXPECT_GT(health.pose_rate_hz, 0.0);
+  EXPECT_GT(health.latency_p50_us, 0);
+  EXPECT_GT(health.resident_bytes, 1'000'000);
+}
+
+TEST(DaemonMessages, ACommandResetsThePose) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  Subscriber subscriber;
+  const std::string config = write_config(test::scratch_dir(), small_course(10, 1.0, "pingpong"));
+  test::Subprocess daemon({test::binary("cliquevod"), "--config", config});
+  lcm::LCM lcm(kUrl);
+  command_t command{};
+  command.command = command_t::RESET_POSE;
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  // Asked again and again: the daemon may not listen yet.
+  while (subscriber.resets_seen == 0 && std::chrono::steady_clock::now() < give_up) {
+    if (subscriber.statuses_seen > 5) lcm.publish("VO_COMMAND", &command);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait().exit_code, 0);
+  subscriber.finish();
+  ASSERT_GT(subscriber.resets_seen, 0);
+  std::size_t reset = 1;
+  while (subscriber.statuses[reset].resets == subscriber.statuses[reset - 1].resets) ++reset;
+  EXPECT_EQ(subscriber.statuses[reset].status, status_t::NO_DATA);
+  const double(&pos)[3] = subscriber.poses[reset].pos;
+  EXPECT_EQ(Eigen::Vector3d(pos[0], pos[1], pos[2]).norm(), 0.0) << "the frame is the new origin";
+  EXPECT_NE(subscriber.poses[reset - 1].pos[0], 0.0);
+}
+
+TEST(DaemonMessages, WithoutARouteItSaysSoInOneLineAndEnds) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  const std::string config = write_config(test::scratch_dir(), small_course(2, 0.0, "none"));
+  const test::Finished end = test::run({"unshare", "--net", test::binary("cliquevod"), "--config", config});
+  EXPECT_EQ(end.exit_code, 1);
+  EXPECT_EQ(test::lines_of(end.err).size(), 1u) << end.err;
+  EXPECT_NE(end.err.find("ip route add 224.0.0.0/4 dev lo"), std::string::npos) << end.err;
+}
+
+}  // namespace
+}  // namespace cliquevo
