@@ -1,11 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/vo/estimator.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+
 #include "core/vo/validation.h"
 
 namespace cliquevo::vo {
 
 namespace {
+
+constexpr double kGoodShare = 0.7;    // of a clique's members that its motion should keep
+constexpr double kApartSigmas = 5.0;  // two motions farther apart are two
 
 Observation observation(const Feature& ref, const Feature& cur, int index) {
   Observation o;
@@ -28,12 +36,14 @@ Estimator::Estimator(const StereoModel& model, const VoParams& params)
   matches_.reserve(n);
   pairs_.reserve(n);
   clique_.reserve(n);
+  rival_.reserve(n);
   observations_.reserve(2 * n);
   references_.reserve(2);
 }
 
 // A2' to A5 as in the paper: scores, co-occurring minima, clique, closed-form start, two-way minimisation.
-bool Estimator::first_motion(const Frame& reference, const Frame& current, Comparison& out, StepTimes& times) {
+bool Estimator::first_motion(const Frame& reference, const Frame& current, const RigidTransform& predicted,
+                             Comparison& out, StepTimes& times) {
   matcher_.match(reference.descriptors, current.descriptors, matches_);
   times.scores_ns += matcher_.scores_ns();
   times.matches_ns += matcher_.minima_ns();
@@ -52,21 +62,53 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, Compa
 
   RigidTransform T_ref_cur;
   if (!align_points(pairs_, clique_, T_ref_cur)) return false;
+  references_.assign(1, RigidTransform{});
+  observe(reference, current, clique_);
+  out.motion =
+      solver_.solve(observations_, references_, T_ref_cur, params_.match_sigma_px, params_.match_disparity_sigma_px);
+  // Far false matches are compatible with nearly everything and can pull the closed form away: then the motion is
+  // looked for from the predicted one and from rest, and what most members agree on is taken.
+  for (const RigidTransform& start : {predicted, RigidTransform{}}) {
+    if (out.motion.converged && out.motion.inliers >= kGoodShare * out.clique) break;
+    observe(reference, current, clique_);
+    const Motion other =
+        solver_.solve(observations_, references_, start, params_.match_sigma_px, params_.match_disparity_sigma_px);
+    if (other.converged && other.inliers > out.motion.inliers) out.motion = other;
+  }
+  return out.motion.converged && out.motion.inliers >= params_.min_inliers;
+}
+
+void Estimator::observe(const Frame& reference, const Frame& current, const std::vector<int>& members) {
   observations_.clear();
-  for (const int i : clique_) {
+  for (const int i : members) {
     const Match& m = matches_[static_cast<std::size_t>(i)];
     observations_.push_back(observation(reference.features[static_cast<std::size_t>(m.a)],
                                         current.features[static_cast<std::size_t>(m.b)], m.a));
   }
-  references_.assign(1, RigidTransform{});
-  out.motion =
-      solver_.solve(observations_, references_, T_ref_cur, params_.match_sigma_px, params_.match_disparity_sigma_px);
-  return out.motion.converged && out.motion.inliers >= params_.min_inliers;
 }
 
-Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current, StepTimes& times) {
+// A second motion, plainly another one, that nearly as many matches support: which of the two is the world's?
+bool Estimator::rivalled(const Frame& reference, const Frame& current, const Comparison& comparison) {
+  const int enough =
+      std::max(params_.min_inliers, static_cast<int>(std::ceil(params_.rival_share * comparison.clique)));
+  if (comparison.matches - comparison.clique < enough) return false;
+  if (clique_finder_.rival(pairs_, clique_, rival_) < enough) return false;
+  RigidTransform start;
+  if (!align_points(pairs_, rival_, start)) return false;
+  references_.assign(1, RigidTransform{});
+  observe(reference, current, rival_);
+  const Motion rival =
+      solver_.solve(observations_, references_, start, params_.match_sigma_px, params_.match_disparity_sigma_px);
+  if (!rival.converged || rival.inliers < enough) return false;
+  const Vector6d apart = left_difference(comparison.motion.T_prev_cur, rival.T_prev_cur);
+  const Matrix6d covariance = comparison.motion.covariance + rival.covariance;
+  return apart.dot(covariance.ldlt().solve(apart)) > kApartSigmas * kApartSigmas;
+}
+
+Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current,
+                              const RigidTransform& predicted, StepTimes& times) {
   Comparison out;
-  const bool started = first_motion(reference, current, out, times);
+  const bool started = first_motion(reference, current, predicted, out, times);
   const std::int64_t start_ns = monotonic_ns();
   if (!started) {
     out.status = Status::too_few_features;
@@ -93,6 +135,7 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
   }
   out.eigenvalue_ratio = spread_ratio(observations_);
   out.status = validate(out.motion, out.eigenvalue_ratio, params_);
+  if (out.status == Status::valid && rivalled(reference, current, out)) out.status = Status::ambiguous;
   times.motion_ns += monotonic_ns() - start_ns;
   return out;
 }

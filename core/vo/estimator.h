@@ -27,12 +27,17 @@ class Estimator {
  public:
   Estimator(const StereoModel& model, const VoParams& params);
 
-  // Motion of `current` against `reference`; `key` (may be null or equal to reference) is an older frame that joins the
-  // solution once the clique has given a first one. Step times are added to `times`.
-  Comparison compare(const Frame& reference, const Frame* key, const Frame& current, StepTimes& times);
+  // Motion of `current` against `reference`; `predicted` is tried as a start where the closed form's is poor; `key`
+  // (may be null or equal to reference) is an older frame that joins the solution once the clique has given a first
+  // one. Step times are added to `times`.
+  Comparison compare(const Frame& reference, const Frame* key, const Frame& current, const RigidTransform& predicted,
+                     StepTimes& times);
 
  private:
-  bool first_motion(const Frame& reference, const Frame& current, Comparison& out, StepTimes& times);
+  bool first_motion(const Frame& reference, const Frame& current, const RigidTransform& predicted, Comparison& out,
+                    StepTimes& times);
+  bool rivalled(const Frame& reference, const Frame& current, const Comparison& comparison);
+  void observe(const Frame& reference, const Frame& current, const std::vector<int>& members);
 
   StereoModel model_;
   VoParams params_;
@@ -43,6 +48,7 @@ class Estimator {
   std::vector<Match> matches_;
   std::vector<PointPair> pairs_;
   std::vector<int> clique_;
+  std::vector<int> rival_;
   std::vector<Observation> observations_;
   std::vector<RigidTransform> references_;
 };

@@ -41,6 +41,7 @@ struct VisualOdometry::Impl {
   void load(const FrameInput& input);
   void accept(const Comparison& comparison, const Frame& reference);
   void carry_on();
+  RigidTransform prediction(const Frame& since) const;
   Frame* spare();
 
   StereoModel model;
@@ -112,15 +113,21 @@ void VisualOdometry::Impl::accept(const Comparison& c, const Frame& reference) {
   failed = nullptr;
 }
 
-// A failed frame: the pose moves on by the stated guess, and the next attempt may start from here.
-void VisualOdometry::Impl::carry_on() {
-  const Frame& last = failed != nullptr ? *failed : *valid;
+// Constant velocity from an earlier frame to the current one: a guess.
+RigidTransform VisualOdometry::Impl::prediction(const Frame& since) const {
   RigidTransform step;
-  if (params.after_failure == AfterFailure::constant_velocity && velocity_ns > 0) {
-    const double share = static_cast<double>(current->stamp_ns - last.stamp_ns) / static_cast<double>(velocity_ns);
+  if (velocity_ns > 0) {
+    const double share = static_cast<double>(current->stamp_ns - since.stamp_ns) / static_cast<double>(velocity_ns);
     step.R = so3_exp(share * so3_log(velocity.R));
     step.t = share * velocity.t;
   }
+  return step;
+}
+
+// A failed frame: the pose moves on by the stated guess, and the next attempt may start from here.
+void VisualOdometry::Impl::carry_on() {
+  const Frame& last = failed != nullptr ? *failed : *valid;
+  const RigidTransform step = params.after_failure == AfterFailure::hold ? RigidTransform{} : prediction(last);
   current->T_world_camera = (last.T_world_camera * step).normalized();
   // As uncertain as if the vehicle had stopped, or gone twice as fast.
   const double moved = std::max(0.05, step.t.norm());
@@ -173,10 +180,10 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
   } else {
     e.prev_stamp_ns = s.valid->stamp_ns;
     const Frame* reference = s.valid;
-    Comparison c = s.estimator.compare(*reference, s.key, *s.current, e.times);
+    Comparison c = s.estimator.compare(*reference, s.key, *s.current, s.prediction(*reference), e.times);
     if (c.status != Status::valid && s.failed != nullptr) {
       reference = s.failed;
-      c = s.estimator.compare(*reference, nullptr, *s.current, e.times);
+      c = s.estimator.compare(*reference, nullptr, *s.current, s.prediction(*reference), e.times);
     }
     e.status = c.status;
     e.matches = c.matches;

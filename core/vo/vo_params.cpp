@@ -42,6 +42,7 @@ Result<void> VoParams::check() const {
   if (!within(min_inliers, 3, 500)) return out_of_range("min_inliers", "3 to 500");
   if (!within(min_eigenvalue_ratio, 0.0, 1.0)) return out_of_range("min_eigenvalue_ratio", "0 to 1");
   if (!within(max_reprojection_error_px, 0.01, 10.0)) return out_of_range("max_reprojection_error_px", "0.01 to 10");
+  if (!within(rival_share, 0.1, 1.0)) return out_of_range("rival_share", "0.1 to 1");
   return {};
 }
 

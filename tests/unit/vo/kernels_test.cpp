@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/vo/kernels/kernels.h"
 
+#include <cstring>
 #include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "core/base/image.h"
+#include "core/vo/patch.h"
 
 namespace cliquevo::vo {
 namespace {
@@ -70,6 +72,76 @@ TEST_P(VoKernels, SumTheReferencesAbsoluteDifferences) {
       EXPECT_EQ(a, b);
       EXPECT_EQ(a.back(), 0) << "a descriptor differs from itself";
     }
+  }
+}
+
+TEST_P(VoKernels, SampleAndSumPatchesToTheReferencesBits) {
+  std::mt19937 rng(9);
+  std::uniform_real_distribution<float> place(20.0F, 40.0F), near(0.8F, 1.2F), off(-0.3F, 0.3F);
+  const Kernels& reference = *kernels_for(Isa::reference);
+  const Kernels& kernel = *kernels_for(GetParam());
+  Image<std::uint8_t> image(61, 63);
+  for (int y = 0; y < 63; ++y) {
+    for (int x = 0; x < 61; ++x) image.view()(x, y) = static_cast<std::uint8_t>(rng() % 256);
+  }
+  for (int radius = 2; radius <= kMaxPatchRadius; ++radius) {
+    Template found;
+    ASSERT_TRUE(cut_template(image.cview(), 30.25F, 31.5F, radius, found));
+    PatchGrid grid{};
+    grid.radius = radius;
+    grid.side = 2 * radius + 3;
+    grid.row = (2 * radius + kPatchLanes) / kPatchLanes * kPatchLanes;
+    for (int i = 0; i < grid.side * grid.side; ++i) {
+      grid.dx[i] = static_cast<float>(i % grid.side - radius - 1);
+      grid.dy[i] = static_cast<float>(i / grid.side - radius - 1);
+    }
+    for (int i = 0; i < 2 * radius + 1; ++i) grid.inside[i] = 1.0F;
+    for (int trial = 0; trial < 50; ++trial) {
+      const PatchPlace p{place(rng), place(rng), near(rng), off(rng), off(rng), near(rng)};
+      alignas(32) float a[kMaxPatchSamples] = {}, b[kMaxPatchSamples] = {};
+      reference.patch_sample(grid, image.cview().data, image.cview().stride, p, 100.0F, a);
+      kernel.patch_sample(grid, image.cview().data, image.cview().stride, p, 100.0F, b);
+      ASSERT_EQ(0, std::memcmp(a, b, sizeof(float) * static_cast<std::size_t>(grid.side * grid.side)));
+      PatchSums sa{}, sb{};
+      reference.patch_sums(grid, found.inner, a, sa);
+      kernel.patch_sums(grid, found.inner, a, sb);
+      ASSERT_EQ(0, std::memcmp(&sa, &sb, sizeof sa)) << "radius " << radius;
+      EXPECT_GT(sa.gxx, 0.0F);
+    }
+  }
+}
+
+TEST_P(VoKernels, SumTheReferencesNormalEquationsToTheBit) {
+  std::mt19937 rng(10);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  const Kernels& reference = *kernels_for(Isa::reference);
+  const Kernels& kernel = *kernels_for(GetParam());
+  for (const int count : {0, 4, 40, 400}) {
+    std::vector<double> a(static_cast<std::size_t>(kMotionFields) * 400), b;
+    MotionTerms terms{};
+    terms.count = count;
+    for (std::size_t f = 0; f < kMotionFields; ++f) {
+      for (std::size_t i = 0; i < 400; ++i) a[f * 400 + i] = 5.0 + u(rng) + (f == kQz || f == kPz ? 7.0 * u(rng) : 0.0);
+    }
+    for (std::size_t i = 0; i < 400; ++i) a[kActive * 400 + i] = i % 3 == 0 ? 0.0 : 1.0;
+    b = a;
+    MotionState state{};
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) state.R[r][c] = state.M[r][c] = (r == c ? 1.0 : 0.0) + 0.01 * u(rng);
+      state.t[r] = state.m[r] = 0.1 * u(rng);
+    }
+    state.fx = state.fy = 3.0, state.cx = state.cy = 2.0, state.fx_baseline = 1.0, state.doffs = 0.5;
+    state.weight_px = 2.0, state.weight_d = 1.0, state.variance_d = 1.0, state.huber = 1.5, state.min_depth = 1e-3;
+    MotionSums sa{}, sb{};
+    const auto run = [&](const Kernels& k, std::vector<double>& storage, MotionSums& sums) {
+      for (std::size_t f = 0; f < kMotionFields; ++f) terms.field[f] = storage.data() + f * 400;
+      k.motion_sums(terms, state, sums);
+    };
+    run(reference, a, sa);
+    run(kernel, b, sb);
+    EXPECT_EQ(0, std::memcmp(&sa, &sb, sizeof sa)) << count;
+    EXPECT_EQ(a, b) << "squared sigmas";
+    EXPECT_EQ(count > 0, sa.H[0] > 0.0);
   }
 }
 

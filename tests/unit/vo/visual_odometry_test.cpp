@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/vo/visual_odometry.h"
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <gtest/gtest.h>
+
+namespace cliquevo::vo {
+namespace {
+
+const StereoModel kModel{320, 240, 300.0, 300.0, 159.5, 119.5, 0.2, 0.0};
+constexpr std::int64_t kPeriod_ns = 100'000'000;
+
+// Two textured walls that face the camera, one above the other, at depths that give 8 and 20 px of disparity: what a
+// camera sees of them from (x, y) to the side can be written down, to any fraction of a pixel.
+class Scene {
+ public:
+  explicit Scene(unsigned seed = 1) {
+    std::mt19937 rng(seed);
+    std::uniform_real_distribution<double> frequency(-0.9, 0.9), phase(0.0, 6.28);
+    for (auto& w : waves_) w = {frequency(rng), frequency(rng), phase(rng)};
+  }
+
+  struct Views {
+    Image<std::uint8_t> left, right, filtered;
+    Image<std::int16_t> disparity;
+    FrameInput input(std::int64_t frame) const {
+      return {frame * kPeriod_ns, left.cview(), right.cview(), filtered.cview(), disparity.cview()};
+    }
+  };
+
+  Views from(double x_m, double y_m, double gain = 1.0) const {
+    Views v;
+    v.left.resize(kModel.width, kModel.height);
+    v.right.resize(kModel.width, kModel.height);
+    v.filtered.resize(kModel.width, kModel.height);
+    v.disparity.resize(kModel.width, kModel.height);
+    for (int row = 0; row < kModel.height; ++row) {
+      const double d = row < kModel.height / 2 ? 8.0 : 20.0;
+      const double px_per_m = kModel.fx_px / kModel.depth_m(d);
+      for (int column = 0; column < kModel.width; ++column) {
+        const double u = column + x_m * px_per_m;
+        const double w = row + y_m * px_per_m;
+        v.left.view()(column, row) = grey(u, w, d, gain);
+        v.right.view()(column, row) = grey(u + d, w, d, gain);
+        v.filtered.view()(column, row) = static_cast<std::uint8_t>(v.left.view()(column, row) / 4);
+        v.disparity.view()(column, row) = static_cast<std::int16_t>(d * kDisparityScale);
+      }
+    }
+    return v;
+  }
+
+ private:
+  struct Wave {
+    double fx, fy, phase;
+  };
+  std::uint8_t grey(double u, double v, double wall, double gain) const {
+    double sum = 0.0;
+    for (const Wave& w : waves_) sum += std::sin(w.fx * u + w.fy * v + w.phase + wall);
+    return static_cast<std::uint8_t>(std::lround(std::clamp(gain * (110.0 + 22.0 * sum), 0.0, 255.0)));
+  }
+  Wave waves_[14];
+};
+
+VisualOdometry make(const VoParams& params = {}) {
+  auto made = VisualOdometry::make(kModel, params);
+  EXPECT_TRUE(made.ok());
+  return std::move(*made);
+}
+
+TEST(VisualOdometry, FollowsASidewaysMotionToAFractionOfAPixel) {
+  const Scene scene;
+  VisualOdometry vo = make();
+  for (int i = 0; i < 12; ++i) {
+    ASSERT_TRUE(vo.process(scene.from(0.013 * i, -0.004 * i).input(i)).ok());
+    const Estimate& e = vo.estimate();
+    EXPECT_EQ(e.status, i == 0 ? Status::no_data : Status::valid) << status_name(e.status) << " in frame " << i;
+    // 1 mm is 0.04 px on the nearer wall
+    EXPECT_NEAR((e.T_world_camera.t - Eigen::Vector3d(0.013 * i, -0.004 * i, 0.0)).norm(), 0.0, 0.002) << i;
+    EXPECT_LT(e.T_world_camera.angle(), 0.0005);
+    EXPECT_TRUE(e.covariance.allFinite());
+  }
+}
+
+TEST(VisualOdometry, StandsStillThroughAnExposureChange) {
+  const Scene scene;
+  VisualOdometry vo = make();
+  for (int i = 0; i < 10; ++i) {
+    ASSERT_TRUE(vo.process(scene.from(0.0, 0.0, i < 5 ? 1.0 : 0.8).input(i)).ok());
+    if (i > 0) {
+      EXPECT_EQ(vo.estimate().status, Status::valid) << i;
+    }
+  }
+  EXPECT_LT(vo.estimate().T_world_camera.t.norm(), 0.0005);
+}
+
+TEST(VisualOdometry, ReportsABlindFrameAndBridgesIt) {
+  const Scene scene;
+  VisualOdometry vo = make();
+  ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
+  ASSERT_TRUE(vo.process(scene.from(0.01, 0.0).input(1)).ok());
+  Scene::Views blank = scene.from(0.0, 0.0);
+  blank.left.fill(90);
+  blank.right.fill(90);
+  blank.filtered.fill(31);
+  ASSERT_TRUE(vo.process(blank.input(2)).ok());
+  EXPECT_EQ(vo.estimate().status, Status::too_few_features);
+  EXPECT_EQ(vo.estimate().T_prev_cur.t.norm(), 0.0);
+  EXPECT_TRUE(vo.estimate().covariance.allFinite());
+  EXPECT_NEAR(vo.estimate().T_world_camera.t.x(), 0.02, 0.002) << "constant velocity is the stated guess";
+  ASSERT_TRUE(vo.process(scene.from(0.03, 0.0).input(3)).ok());
+  const Estimate& e = vo.estimate();
+  EXPECT_EQ(e.status, Status::valid);
+  EXPECT_EQ(e.prev_stamp_ns, 1 * kPeriod_ns) << "the delta spans the gap";
+  EXPECT_NEAR(e.T_prev_cur.t.x(), 0.02, 0.002);
+  EXPECT_NEAR(e.T_world_camera.t.x(), 0.03, 0.002);
+}
+
+TEST(VisualOdometry, AnotherWorldIsAFailureNotAMotion) {
+  VisualOdometry vo = make();
+  ASSERT_TRUE(vo.process(Scene(1).from(0.0, 0.0).input(0)).ok());
+  ASSERT_TRUE(vo.process(Scene(2).from(0.0, 0.0).input(1)).ok());
+  EXPECT_NE(vo.estimate().status, Status::valid);
+}
+
+TEST(VisualOdometry, RefusesUnusableInputAndStaysAsItWas) {
+  const Scene scene;
+  VisualOdometry vo = make();
+  ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
+  ASSERT_TRUE(vo.process(scene.from(0.01, 0.0).input(1)).ok());
+  const Estimate before = vo.estimate();
+  const Scene::Views good = scene.from(0.02, 0.0);
+  FrameInput no_right = good.input(2);
+  no_right.right = {};
+  EXPECT_FALSE(vo.process(no_right).ok());
+  FrameInput small = good.input(2);
+  small.left.width = 100;
+  EXPECT_FALSE(vo.process(small).ok());
+  EXPECT_FALSE(vo.process(good.input(1)).ok()) << "a stamp that does not advance";
+  EXPECT_EQ(vo.estimate().stamp_ns, before.stamp_ns);
+  ASSERT_TRUE(vo.process(good.input(2)).ok());
+  EXPECT_EQ(vo.estimate().status, Status::valid);
+  EXPECT_NEAR(vo.estimate().T_world_camera.t.x(), 0.02, 0.002);
+}
+
+TEST(VisualOdometry, AMaskKeepsFeaturesAway) {
+  const Scene scene;
+  VisualOdometry vo = make();
+  Image<std::uint8_t> mask(kModel.width, kModel.height);
+  mask.fill(0);
+  ASSERT_TRUE(vo.set_mask(mask.cview()).ok());
+  ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
+  EXPECT_EQ(vo.estimate().features, 0);
+  EXPECT_FALSE(
+      vo.set_mask(mask.cview().empty() ? mask.cview() : ImageView<const std::uint8_t>(mask.cview().data, 9, 9, 9))
+          .ok());
+}
+
+TEST(VisualOdometry, ResetStartsAgainAtTheIdentity) {
+  const Scene scene;
+  VisualOdometry vo = make();
+  ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
+  ASSERT_TRUE(vo.process(scene.from(0.05, 0.0).input(1)).ok());
+  vo.reset();
+  ASSERT_TRUE(vo.process(scene.from(0.1, 0.0).input(2)).ok());
+  EXPECT_EQ(vo.estimate().status, Status::no_data);
+  EXPECT_EQ(vo.estimate().T_world_camera.t.norm(), 0.0);
+}
+
+TEST(VisualOdometry, NamesAnImpossibleModelOrParameter) {
+  StereoModel model = kModel;
+  model.baseline_m = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(VisualOdometry::make(model, {}).ok());
+  VoParams params;
+  params.descriptor_window = 8;
+  const auto made = VisualOdometry::make(kModel, params);
+  ASSERT_FALSE(made.ok());
+  EXPECT_EQ(made.error().where, "descriptor_window");
+}
+
+}  // namespace
+}  // namespace cliquevo::vo
