@@ -18,8 +18,9 @@ int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int
   const __m256i t = _mm256_set1_epi8(static_cast<char>(threshold));
   const __m256i zero = _mm256_setzero_si256();
   int n = 0;
-  int x = x0;
-  for (; x + 32 <= x1; x += 32) {
+  if (x1 - x0 < 32) return kReferenceKernels.fast_row(row, stride, x0, x1, threshold, columns, scores);
+  for (int next = x0; next < x1; next += 32) {
+    const int x = next + 32 <= x1 ? next : x1 - 32;  // the last pack overlaps the one before
     const std::uint8_t* p = row + x;
     const __m256i c = load(p);
     const __m256i above = _mm256_adds_epu8(c, t);
@@ -46,6 +47,7 @@ int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int
       longest = _mm256_max_epu8(longest, _mm256_max_epu8(run_b, run_d));
     }
     unsigned corners = static_cast<unsigned>(_mm256_movemask_epi8(_mm256_cmpgt_epi8(longest, _mm256_set1_epi8(8))));
+    corners &= ~0U << (next - x);
     while (corners != 0) {
       const int i = __builtin_ctz(corners);
       corners &= corners - 1;
@@ -53,7 +55,6 @@ int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int
       scores[n++] = static_cast<std::uint8_t>(fast_score(p + i, offsets));
     }
   }
-  if (x < x1) n += kReferenceKernels.fast_row(row, stride, x, x1, threshold, columns + n, scores + n);
   return n;
 }
 

@@ -16,8 +16,9 @@ int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int
   const uint8x16_t t = vdupq_n_u8(static_cast<std::uint8_t>(threshold));
   const uint8x16_t one = vdupq_n_u8(1);
   int n = 0;
-  int x = x0;
-  for (; x + 16 <= x1; x += 16) {
+  if (x1 - x0 < 16) return kReferenceKernels.fast_row(row, stride, x0, x1, threshold, columns, scores);
+  for (int next = x0; next < x1; next += 16) {
+    const int x = next + 16 <= x1 ? next : x1 - 16;  // the last pack overlaps the one before
     const std::uint8_t* p = row + x;
     const uint8x16_t c = vld1q_u8(p);
     const uint8x16_t above = vqaddq_u8(c, t);
@@ -38,13 +39,12 @@ int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int
     }
     std::uint8_t runs[16];
     vst1q_u8(runs, longest);
-    for (int i = 0; i < 16; ++i) {
+    for (int i = next - x; i < 16; ++i) {
       if (runs[i] < 9) continue;
       columns[n] = static_cast<std::int16_t>(x + i);
       scores[n++] = static_cast<std::uint8_t>(fast_score(p + i, offsets));
     }
   }
-  if (x < x1) n += kReferenceKernels.fast_row(row, stride, x, x1, threshold, columns + n, scores + n);
   return n;
 }
 

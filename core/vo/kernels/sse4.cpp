@@ -18,8 +18,9 @@ int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int
   const __m128i t = _mm_set1_epi8(static_cast<char>(threshold));
   const __m128i zero = _mm_setzero_si128();
   int n = 0;
-  int x = x0;
-  for (; x + 16 <= x1; x += 16) {
+  if (x1 - x0 < 16) return kReferenceKernels.fast_row(row, stride, x0, x1, threshold, columns, scores);
+  for (int next = x0; next < x1; next += 16) {
+    const int x = next + 16 <= x1 ? next : x1 - 16;  // the last pack overlaps the one before
     const std::uint8_t* p = row + x;
     const __m128i c = load(p);
     const __m128i above = _mm_adds_epu8(c, t);
@@ -46,6 +47,7 @@ int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int
       longest = _mm_max_epu8(longest, _mm_max_epu8(run_b, run_d));
     }
     unsigned corners = static_cast<unsigned>(_mm_movemask_epi8(_mm_cmpgt_epi8(longest, _mm_set1_epi8(8))));
+    corners &= ~0U << (next - x);
     while (corners != 0) {
       const int i = __builtin_ctz(corners);
       corners &= corners - 1;
@@ -53,7 +55,6 @@ int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int
       scores[n++] = static_cast<std::uint8_t>(fast_score(p + i, offsets));
     }
   }
-  if (x < x1) n += kReferenceKernels.fast_row(row, stride, x, x1, threshold, columns + n, scores + n);
   return n;
 }
 
