@@ -113,11 +113,24 @@ Result<void> check_fit(const PrescribedRectification& p, const RigidTransform& T
   return {};
 }
 
-Result<void> settle_size(CameraCalibration& camera, const CalibrationRequest& request) {
+// Files without a size (KITTI odometry, some of OpenCV's) betray another one by a principal point far from the middle.
+Result<void> check_centre(const CameraCalibration& c, const std::string& where) {
+  const double off_x = std::abs(c.cx_px / c.width - 0.5);
+  const double off_y = std::abs(c.cy_px / c.height - 0.5);
+  if ((off_x < 0.25 || off_y < 0.25) && off_x < 0.4) return {};
+  return Error{
+      "calibration is of another image size", where,
+      fmt::format("its principal point {:.1f}, {:.1f} px suits about {:.0f}x{:.0f}, the images are {}x{}: name "
+                  "the calibration of these images",
+                  c.cx_px, c.cy_px, 2.0 * c.cx_px, 2.0 * c.cy_px, c.width, c.height)};
+}
+
+Result<void> settle_size(CameraCalibration& camera, const CalibrationRequest& request, const std::string& where) {
   if (camera.width == 0 && camera.height == 0) {
     camera.width = request.width;
     camera.height = request.height;
-    return {};
+    if (const Result<void> ok = check_camera(camera, where); !ok) return ok;
+    return request.width > 0 ? check_centre(camera, where) : Result<void>{};
   }
   if (camera.width < 16 || camera.height < 16 || camera.width > 16384 || camera.height > 16384) {
     return calibration_error(fmt::format("image size {}x{} is absurd", camera.width, camera.height), request.path);
@@ -125,7 +138,7 @@ Result<void> settle_size(CameraCalibration& camera, const CalibrationRequest& re
   if (request.width > 0 && (camera.width != request.width || camera.height != request.height)) {
     return size_error(request.path, camera.width, camera.height, request.width, request.height);
   }
-  return {};
+  return check_camera(camera, where);
 }
 
 }  // namespace
@@ -191,6 +204,20 @@ Result<void> set_distortion(const std::string& name, const std::vector<double>& 
   return {};
 }
 
+Result<void> set_camera_matrix(const std::vector<double>& K, const std::string& where, CameraCalibration& camera) {
+  if (K[0] <= 0.0 || K[4] <= 0.0 || K[8] == 0.0) {
+    return calibration_error("camera matrix is singular (focal length <= 0)", where);
+  }
+  if (std::abs(K[1]) > 1e-3 * K[0] || K[3] != 0.0 || K[6] != 0.0 || K[7] != 0.0 || K[8] != 1.0) {
+    return calibration_error("camera matrix is not that of a pinhole camera", where);
+  }
+  camera.fx_px = K[0];
+  camera.fy_px = K[4];
+  camera.cx_px = K[2];
+  camera.cy_px = K[5];
+  return {};
+}
+
 Result<StereoModel> model_from_projections(const std::vector<double>& P_left, const std::vector<double>& P_right,
                                            const std::string& where) {
   for (const std::vector<double>* P : {&P_left, &P_right}) {
@@ -224,8 +251,7 @@ Result<StereoCalibration> finish_calibration(StereoCalibration c, const Calibrat
   c.source = request.path;
   for (CameraCalibration* camera : {&c.left, &c.right}) {
     const char* eye = camera == &c.left ? " (left eye)" : " (right eye)";
-    if (const Result<void> ok = settle_size(*camera, request); !ok) return ok.error();
-    if (const Result<void> ok = check_camera(*camera, request.path + eye); !ok) return ok.error();
+    if (const Result<void> ok = settle_size(*camera, request, request.path + eye); !ok) return ok.error();
   }
   if (c.left.width != c.right.width || c.left.height != c.right.height) {
     return calibration_error(fmt::format("eyes have unequal sizes ({}x{} and {}x{})", c.left.width, c.left.height,

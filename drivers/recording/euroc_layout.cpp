@@ -23,11 +23,14 @@ Result<std::optional<Layout>> find_euroc(const std::string& path) {
   Layout layout;
   layout.description = "EuRoC folder " + path;
   layout.root = path;
-  if (const auto ok = list_eyes(layout, (root / "cam0/data").string(), (root / "cam1/data").string()); !ok) {
-    return ok.error();
-  }
+  // Some leave the images beside the list instead of below data/.
+  const auto images = [&](const char* name) {
+    const fs::path camera = root / name;
+    return (fs::is_directory(camera / "data", ec) || !fs::is_directory(camera, ec) ? camera / "data" : camera).string();
+  };
+  if (const auto ok = list_eyes(layout, images("cam0"), images("cam1")); !ok) return ok.error();
   for (Eye* eye : {&layout.left, &layout.right}) {
-    const fs::path camera = fs::path(eye->folder).parent_path();
+    const fs::path camera = root / (eye == &layout.left ? "cam0" : "cam1");
     if (fs::exists(camera / "data.csv", ec)) {
       if (const auto ok = stamps_from_file((camera / "data.csv").string(), *eye); !ok) return ok.error();
     } else {

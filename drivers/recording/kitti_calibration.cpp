@@ -81,10 +81,9 @@ Result<CameraCalibration> raw_camera(const std::vector<TextLine>& lines, const s
   }
   camera.width = static_cast<int>(S.value()[0]);
   camera.height = static_cast<int>(S.value()[1]);
-  camera.fx_px = K.value()[0];
-  camera.fy_px = K.value()[4];
-  camera.cx_px = K.value()[2];
-  camera.cy_px = K.value()[5];
+  if (const Result<void> ok = set_camera_matrix(*K, fmt::format("{} (K_{})", path, suffix), camera); !ok) {
+    return ok.error();
+  }
   camera.distortion = Distortion::plumb_bob;
   std::copy(D->begin(), D->end(), camera.coefficients.begin());
   return camera;

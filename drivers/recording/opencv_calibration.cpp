@@ -25,11 +25,7 @@ Result<CameraCalibration> read_camera(const YamlReader& yaml, bool left) {
   std::string key = camera_matrix(yaml, left);
   const Result<std::vector<double>> K = yaml.numbers(key.empty() ? (left ? "K1" : "K2") : key, 9);
   if (!K) return K.error();
-  camera.fx_px = K.value()[0];
-  camera.fy_px = K.value()[4];
-  camera.cx_px = K.value()[2];
-  camera.cy_px = K.value()[5];
-  if (K.value()[8] != 1.0) return calibration_error("camera matrix is singular", yaml.where(key));
+  if (const auto ok = set_camera_matrix(*K, yaml.where(key), camera); !ok) return ok.error();
   key = distortion(yaml, left);
   if (key.empty()) key = left ? "D1" : "D2";
   const Result<std::vector<double>> D = yaml.numbers(key);

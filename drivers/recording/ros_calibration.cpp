@@ -19,12 +19,10 @@ Result<CameraInfo> read_info(const YamlReader& yaml) {
     const std::string key = yaml.first_of(names);
     return key.empty() ? std::string(name) : key;
   };
-  const Result<std::vector<double>> K = yaml.numbers(required({"camera_matrix", "K", "k"}, "camera_matrix"), 9);
+  const std::string k = required({"camera_matrix", "K", "k"}, "camera_matrix");
+  const Result<std::vector<double>> K = yaml.numbers(k, 9);
   if (!K) return K.error();
-  info.camera.fx_px = K.value()[0];
-  info.camera.fy_px = K.value()[4];
-  info.camera.cx_px = K.value()[2];
-  info.camera.cy_px = K.value()[5];
+  if (const auto ok = set_camera_matrix(*K, yaml.where(k), info.camera); !ok) return ok.error();
   const std::string d = required({"distortion_coefficients", "D", "d"}, "distortion_coefficients");
   const Result<std::vector<double>> D = yaml.numbers(d);
   if (!D) return D.error();

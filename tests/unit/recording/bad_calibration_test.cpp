@@ -70,6 +70,18 @@ TEST(bad_calibration, of_another_size_names_both_sizes) {
   expect_bad(dir + "/cam0/sensor.yaml", sizes, 320, 200);
 }
 
+TEST(bad_calibration, of_another_size_is_found_where_the_file_tells_none) {
+  const std::string text = test::kitti_calibration(100.0, 31.5, 31.5, 0.5);  // for 64x48
+  const std::vector<std::string> sizes{"another image size", "about 63x47"};
+  expect_bad_text("calib.txt", text, sizes, 128, 96);
+  expect_bad_text("calib.txt", text, sizes, 32, 24);
+  expect_bad_text("calib.txt", text, sizes, 34, 48);
+  // Cropped in height, as recordings of roads are: not another size.
+  const std::string path = write_file(test::scratch_dir() + "/calib.txt", text);
+  EXPECT_TRUE(read_calibration(path, 64, 26).ok());
+  EXPECT_TRUE(read_calibration(path, 64, 96).ok());
+}
+
 TEST(bad_calibration, with_eyes_of_unequal_size) {
   test::Rig rig = test::make_rig();
   const std::string dir = test::scratch_dir();
@@ -99,6 +111,8 @@ TEST(bad_calibration, that_is_singular_or_absurd) {
   expect_bad_text("calib.txt", test::kitti_calibration(100.0, 31.5, 31.5, -0.5), {"swapped"}, 64, 48);
   expect_bad_text("calib.txt", test::kitti_calibration(100.0, 31.5, 31.5, 120.0), {"baseline of 120 m", "millimetres"},
                   64, 48);
+  const std::string skewed = replace(test::kitti_raw_txt(test::make_rig()), "K_00: 458.654  0", "K_00: 458.654  458");
+  expect_bad_text("calib_cam_to_cam.txt", skewed, {"not that of a pinhole camera", "K_00"});
   test::Rig rig = test::make_rig();
   rig.T_right_left.R.setZero();
   expect_bad_text("camchain.yaml", test::kalibr_yaml(rig), {"no rotation"});
@@ -109,7 +123,7 @@ TEST(bad_calibration, that_is_singular_or_absurd) {
   expect_bad_text("camchain.yaml", test::kalibr_yaml(rig), {"no rotation"});
   rig = test::make_rig();
   rig.K_right(0, 0) = 0.0;
-  expect_bad_text("stereo.yml", test::opencv_yaml(rig, false), {"singular", "right eye"});
+  expect_bad_text("stereo.yml", test::opencv_yaml(rig, false), {"singular", "(K2)"});
   rig = test::make_rig();
   rig.D_left[0] = 1e9;
   expect_bad_text("stereo.yml", test::opencv_yaml(rig, false), {"distortion coefficient is absurd"});
