@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/base/camera_model.h"
 #include "drivers/frame_source.h"
@@ -56,6 +57,16 @@ class Simulator : public FrameSource {
 };
 
 Result<std::unique_ptr<Simulator>> open_simulator(const SimulatorOptions& options);
+
+// The keys of SimulatorOptions, for texts and command lines. A value is text: numbers, on/off, angles as x:y:z.
+struct SimulatorKey {
+  std::string name;
+  std::string meaning;  // with unit
+  bool on_off;
+};
+const std::vector<SimulatorKey>& simulator_keys();
+// An error names the key and what it takes; check() is the caller's.
+Result<void> set_simulator_option(SimulatorOptions& options, const std::string& key, const std::string& value);
 
 // Parses "key=value,key=value" (keys as above) for SOURCE arguments of the form sim:course=walking,frames=400.
 Result<SimulatorOptions> parse_simulator_options(const std::string& text);

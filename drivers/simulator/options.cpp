@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <charconv>
 #include <cmath>
-#include <functional>
-#include <map>
 #include <string_view>
+#include <type_traits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -48,43 +47,46 @@ bool parse_value(std::string_view text, double (&value)[3]) {
   return true;
 }
 
-using Setter = std::function<bool(SimulatorOptions&, std::string_view)>;
+struct Key {
+  const char* name;
+  const char* meaning;
+  bool on_off;
+  bool (*set)(SimulatorOptions&, std::string_view);
+};
 
-const std::map<std::string, Setter, std::less<>>& setters() {
-#define CLIQUEVO_OPTION(NAME)                                                              \
-  {                                                                                        \
-#NAME, [](SimulatorOptions & o, std::string_view v) { return parse_value(v, o.NAME); } \
+#define CLIQUEVO_OPTION(NAME, MEANING)                                                  \
+  {                                                                                     \
+#NAME, MEANING, std::is_same_v < decltype(SimulatorOptions::NAME), bool>,           \
+        [](SimulatorOptions & o, std::string_view v) { return parse_value(v, o.NAME); } \
   }
-  static const std::map<std::string, Setter, std::less<>> kSetters = {
-      CLIQUEVO_OPTION(width),
-      CLIQUEVO_OPTION(height),
-      CLIQUEVO_OPTION(focal_px),
-      CLIQUEVO_OPTION(baseline_m),
-      CLIQUEVO_OPTION(camera_height_m),
-      CLIQUEVO_OPTION(pitch_deg),
-      CLIQUEVO_OPTION(raw),
-      CLIQUEVO_OPTION(misalign_right_deg),
-      CLIQUEVO_OPTION(course),
-      CLIQUEVO_OPTION(frames),
-      CLIQUEVO_OPTION(step_m),
-      CLIQUEVO_OPTION(rate_hz),
-      CLIQUEVO_OPTION(every),
-      CLIQUEVO_OPTION(world_seed),
-      CLIQUEVO_OPTION(rocks),
-      CLIQUEVO_OPTION(movers),
-      CLIQUEVO_OPTION(shadow),
-      CLIQUEVO_OPTION(noise_seed),
-      CLIQUEVO_OPTION(noise_sigma),
-      CLIQUEVO_OPTION(shot_noise),
-      CLIQUEVO_OPTION(motion_blur),
-      CLIQUEVO_OPTION(exposure_changes),
-      CLIQUEVO_OPTION(cache_dir),
-      CLIQUEVO_OPTION(cache_limit_gb),
-      CLIQUEVO_OPTION(workers),
-  };
+constexpr Key kKeys[] = {
+    CLIQUEVO_OPTION(course, "wheeled, walking, standing, straight, turn (pure rotation)"),
+    CLIQUEVO_OPTION(frames, "length of the render, frames at rate_hz"),
+    CLIQUEVO_OPTION(every, "deliver every k-th frame of it"),
+    CLIQUEVO_OPTION(step_m, "way from frame to frame, m"),
+    CLIQUEVO_OPTION(rate_hz, "frames a second of the render"),
+    CLIQUEVO_OPTION(width, "px"),
+    CLIQUEVO_OPTION(height, "px"),
+    CLIQUEVO_OPTION(focal_px, "focal length, px"),
+    CLIQUEVO_OPTION(baseline_m, "between the eyes, m"),
+    CLIQUEVO_OPTION(camera_height_m, "above ground, m"),
+    CLIQUEVO_OPTION(pitch_deg, "negative looks down"),
+    CLIQUEVO_OPTION(raw, "distorted, misaligned pair as grabbed, with its calibration"),
+    CLIQUEVO_OPTION(misalign_right_deg, "turn of the right eye that the calibration does not know, x:y:z"),
+    CLIQUEVO_OPTION(world_seed, "another world"),
+    CLIQUEVO_OPTION(rocks, "how many rocks, stones and posts: 100 = the scene's own number, -1 the same"),
+    CLIQUEVO_OPTION(movers, "number of boxes that drive about"),
+    CLIQUEVO_OPTION(shadow, "the robot's own shadow"),
+    CLIQUEVO_OPTION(noise_seed, "other noise over the same render"),
+    CLIQUEVO_OPTION(noise_sigma, "read noise, grey levels"),
+    CLIQUEVO_OPTION(shot_noise, "noise that grows with the light"),
+    CLIQUEVO_OPTION(motion_blur, "3 ms of exposure"),
+    CLIQUEVO_OPTION(exposure_changes, "drift and steps of the exposure"),
+    CLIQUEVO_OPTION(cache_dir, "where renders are kept; none = nowhere"),
+    CLIQUEVO_OPTION(cache_limit_gb, "size of the store, GB; what was not used for longest goes"),
+    CLIQUEVO_OPTION(workers, "render threads, 0 = all cores"),
+};
 #undef CLIQUEVO_OPTION
-  return kSetters;
-}
 
 constexpr const char* kCourses[] = {"wheeled", "walking", "standing", "straight", "turn"};
 
@@ -132,6 +134,27 @@ Result<void> SimulatorOptions::check() const {
   return {};
 }
 
+const std::vector<SimulatorKey>& simulator_keys() {
+  static const std::vector<SimulatorKey> kList = [] {
+    std::vector<SimulatorKey> list;
+    for (const Key& key : kKeys) list.push_back({key.name, key.meaning, key.on_off});
+    return list;
+  }();
+  return kList;
+}
+
+Result<void> set_simulator_option(SimulatorOptions& options, const std::string& name, const std::string& value) {
+  for (const Key& key : kKeys) {
+    if (name != key.name) continue;
+    if (key.set(options, value)) return {};
+    return bad(fmt::format("{} = '{}'", name, value),
+               key.on_off ? "use on or off" : fmt::format("{} ({})", "give a value of its type", key.meaning));
+  }
+  std::string names;
+  for (const Key& key : kKeys) names += (names.empty() ? "" : ", ") + std::string(key.name);
+  return bad(fmt::format("unknown key '{}'", name), "use one of " + names);
+}
+
 Result<SimulatorOptions> parse_simulator_options(const std::string& text) {
   SimulatorOptions options;
   std::string_view rest = text;
@@ -141,16 +164,9 @@ Result<SimulatorOptions> parse_simulator_options(const std::string& text) {
     rest.remove_prefix(comma == std::string_view::npos ? rest.size() : comma + 1);
     if (item.empty()) continue;
     const std::size_t equals = item.find('=');
-    const std::string_view key = item.substr(0, equals);
-    const auto setter = setters().find(key);
-    if (setter == setters().end()) {
-      std::string names;
-      for (const auto& [name, unused] : setters()) names += (names.empty() ? "" : ", ") + name;
-      return bad(fmt::format("unknown key '{}'", key), "use one of " + names);
-    }
-    if (equals == std::string_view::npos) return bad(fmt::format("'{}' has no value", key), "write key=value");
-    if (!setter->second(options, item.substr(equals + 1)))
-      return bad(fmt::format("{} = '{}'", key, item.substr(equals + 1)), "give a value of the key's type");
+    const std::string key(item.substr(0, equals));
+    const std::string value(equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1));
+    if (auto set = set_simulator_option(options, key, value); !set) return set.error();
   }
   if (const Result<void> checked = options.check(); !checked) return checked.error();
   return options;
