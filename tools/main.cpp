@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // cliquevo: one command for recordings, trajectories and pictures.
 #include <exception>
+#include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
 #include "tools/commands.h"
 #include "tools/exit_code.h"
+#include "tools/help_format.h"
 #ifdef CLIQUEVO_HAVE_SIMULATE
 #include "tools/simulate.h"
 #endif
@@ -26,7 +28,7 @@ int run(int argc, char** argv) {
   CLI::App app("Stereo visual odometry: replay recordings, judge trajectories, render test courses.", "cliquevo");
   app.require_subcommand(1);
   app.set_version_flag("--version", CLIQUEVO_VERSION);
-  app.get_formatter()->column_width(34);
+  app.formatter(std::make_shared<HelpFormat>());
   app.footer(
       "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 asked-for strictness not met.\n"
       "`cliquevo COMMAND --help` tells each command's options, with examples.");

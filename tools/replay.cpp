@@ -259,6 +259,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   replay->footer(
       "Every pair is processed, in order; a pair that cannot be read ends the replay with exit code 1, and what was\n"
       "written holds the pairs before it. Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 --strict.\n"
+      "The simulator's keys are those under source.simulator in config/cliquevo.yaml.\n"
       "Examples:\n"
       "  cliquevo replay sim --plot run.png\n"
       "  cliquevo replay sim:course=walking,frames=400,noise_seed=3 --stats run.json\n"
