@@ -3,6 +3,12 @@
 if(TARGET cliquevod)
   cliquevo_add_system_test(test_system_daemon SOURCES daemon_test.cpp DEPENDS cliquevod cliquevo)
 endif()
+if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
+  cliquevo_add_system_test(test_system_install SOURCES install_test.cpp
+    DEPENDS cliquevod cliquevo cliquevo_base cliquevo_stereo cliquevo_vo)
+  target_compile_definitions(test_system_install PRIVATE
+    CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+endif()
 # An interposed allocator and a sanitizer's own cannot share a program.
 if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
   cliquevo_add_system_test(test_realtime_calls
