@@ -7,11 +7,13 @@
 #include <CLI/CLI.hpp>
 
 #include "tools/commands.h"
+#include "tools/doctor.h"
 #include "tools/exit_code.h"
 #include "tools/help_format.h"
 #ifdef CLIQUEVO_HAVE_SIMULATE
 #include "tools/simulate.h"
 #endif
+#include "tools/spy.h"
 
 namespace {
 
@@ -38,6 +40,8 @@ int run(int argc, char** argv) {
 #ifdef CLIQUEVO_HAVE_SIMULATE
   add_simulate_command(app, exit_code);
 #endif
+  add_doctor_command(app, exit_code);
+  add_spy_command(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& wanted) {  // --help, --version
