@@ -18,10 +18,10 @@ TEST(Install, PutsAllInPlaceAndAnotherProjectLinksTheLibrary) {
   const std::string root = dir + "/root";
   const test::Finished installed = test::run({"cmake", "--install", CLIQUEVO_BUILD_DIR}, {{"DESTDIR", root}});
   ASSERT_EQ(installed.exit_code, 0) << installed.err;
-  for (const char* path :
-       {"usr/bin/cliquevo", "usr/bin/cliquevod", "usr/lib/systemd/system/cliquevod.service",
-        "usr/lib/sysusers.d/cliquevo.conf", "usr/lib/sysctl.d/60-cliquevo.conf", "usr/lib/udev/rules.d/60-cliquevo.rules",
-        "etc/cliquevo/cliquevo.yaml", "usr/share/cliquevo/lcmtypes/pose_t.lcm"}) {
+  for (const char* path : {"usr/bin/cliquevo", "usr/bin/cliquevod", "usr/lib/systemd/system/cliquevod.service",
+                           "usr/lib/sysusers.d/cliquevo.conf", "usr/lib/sysctl.d/60-cliquevo.conf",
+                           "usr/lib/udev/rules.d/60-cliquevo.rules", "etc/cliquevo/cliquevo.yaml",
+                           "usr/share/cliquevo/lcmtypes/pose_t.lcm"}) {
     EXPECT_TRUE(fs::exists(fs::path(root) / path)) << path;
   }
   const test::Finished check =
@@ -29,9 +29,8 @@ TEST(Install, PutsAllInPlaceAndAnotherProjectLinksTheLibrary) {
   EXPECT_EQ(check.exit_code, 0) << check.err;
 
   const std::string example = std::string(CLIQUEVO_SOURCE_DIR) + "/tests/system/example_project";
-  const test::Finished configured =
-      test::run({"cmake", "-G", "Ninja", "-S", example, "-B", dir + "/build", "-DCMAKE_PREFIX_PATH=" + root + "/usr",
-                 "-DCMAKE_BUILD_TYPE=Release"});
+  const test::Finished configured = test::run({"cmake", "-G", "Ninja", "-S", example, "-B", dir + "/build",
+                                               "-DCMAKE_PREFIX_PATH=" + root + "/usr", "-DCMAKE_BUILD_TYPE=Release"});
   ASSERT_EQ(configured.exit_code, 0) << configured.out << configured.err;
   const test::Finished built = test::run({"cmake", "--build", dir + "/build"});
   ASSERT_EQ(built.exit_code, 0) << built.out << built.err;
