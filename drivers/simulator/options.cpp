@@ -130,7 +130,11 @@ Result<void> SimulatorOptions::check() const {
   if (course == "straight" && step_m * static_cast<double>(frames) > 5000.0)
     return bad(fmt::format("straight course of {} m", step_m * static_cast<double>(frames)),
                "use at most 5000 m, or the wheeled course, which has no end");
-  if (raw) return bad("raw = true", "the raw pair is not available yet");
+  // The lens of the raw pair is monotonic up to there.
+  if (raw && focal_px < 0.7 * std::hypot(width, height))
+    return bad(fmt::format("focal_px = {} with raw", focal_px),
+               fmt::format("use at least {:.0f}: the raw lens does not reach further out",
+                           std::ceil(0.7 * std::hypot(width, height))));
   return {};
 }
 

@@ -52,8 +52,22 @@ void raster_ground(const Ground& ground, const View& view, Plane& inverse_depth,
 // the solid texture that suits its distance.
 void raster_solid(const Solid& solid, const View& view, double level, Plane& inverse_depth, Plane* grey);
 
-// Darkens light[] where the ground lies in the soft shadow of a solid; returns the rows touched in rows[0..1).
-void raster_shadow(const Solid& solid, const View& view, const Plane& inverse_depth, const Plane& grey, Plane& light,
-                   std::vector<char>& row_touched);
+// A dark patch on the ground with a soft edge: an ellipse, or a rounded rectangle.
+struct Patch {
+  Eigen::Vector2d middle;  // world
+  Eigen::Vector2d axis;    // unit vector
+  double half_long_m, half_wide_m;
+  double ground_m;        // height of the ground there, about
+  double ground_slack_m;  // and by how much it may differ
+  bool rectangle;
+  float darkness;  // 0 to 1
+};
+
+// The shadow of a solid on level ground; false when it casts none.
+bool shadow_of(const Solid& solid, Patch& patch);
+
+// Darkens light[] where the ground lies in the patch; rows that were touched for the first time begin as 1.
+void raster_patch(const Patch& patch, const View& view, const Plane& inverse_depth, const Plane& grey, Plane& light,
+                  std::vector<char>& row_touched);
 
 }  // namespace cliquevo::drivers::sim

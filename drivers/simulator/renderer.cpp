@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 #include "drivers/simulator/shade.h"
 #include "drivers/simulator/texture.h"
@@ -25,6 +26,8 @@ constexpr Sample kSamples[4] = {{-1.5 * kSpacing, -0.5 * kSpacing, -0.375},
                                 {-0.5 * kSpacing, 1.5 * kSpacing, -0.125},
                                 {0.5 * kSpacing, -1.5 * kSpacing, 0.125},
                                 {1.5 * kSpacing, 0.5 * kSpacing, 0.375}};
+// A raw pair is drawn at twice the resolution: two samples a pixel are eight in the end.
+constexpr Sample kRawSamples[2] = {{-0.25, -0.25, -0.25}, {0.25, 0.25, 0.25}};
 constexpr double kExposureS = 0.003;
 
 constexpr double kGravelTexelM = 0.0019;
@@ -78,28 +81,31 @@ class Shader {
 
   void add_row(const Pass& pass, int j, float* sum) const {
     const ShadeKernels& kernels = shade_kernels();
-    alignas(64) float on_ground[kShadeBlock];
-    alignas(64) float in_sky[kShadeBlock];
+    alignas(64) float on_ground[kShadeBlock] = {};
+    alignas(64) float in_sky[kShadeBlock] = {};
     const float* w = pass.inverse_depth.row(j);
     const float* grey = pass.grey.row(j);
     const float* light = pass.row_shadowed[static_cast<std::size_t>(j)] != 0 ? pass.light.row(j) : nullptr;
     for (int begin = 0; begin < width_; begin += kShadeBlock) {
       const int n = std::min(kShadeBlock, width_ - begin);
-      bool any_ground = false;
-      bool any_sky = false;
+      int ground_pixels = 0;
+      int sky_pixels = 0;
       for (int i = begin; i < begin + n; ++i) {
-        any_ground |= grey[i] < 0.0F && w[i] > 0.0F;
-        any_sky |= grey[i] < 0.0F && w[i] <= 0.0F;
+        const int open = grey[i] < 0.0F ? 1 : 0;
+        const int hit = w[i] > 0.0F ? 1 : 0;
+        ground_pixels += open & hit;
+        sky_pixels += open & (1 - hit);
       }
-      if (any_ground) {
+      if (ground_pixels > 0) {
         kernels.ground(ground_, w, pass.inverse_depth.row(j - 1), pass.inverse_depth.row(j + 1), j, begin, on_ground);
         if (light != nullptr)
           for (int i = 0; i < n; ++i) on_ground[i] *= light[begin + i];
       }
-      if (any_sky) kernels.sky(sky_, j, begin, in_sky);
+      if (sky_pixels > 0) kernels.sky(sky_, j, begin, in_sky);
       for (int i = 0; i < n; ++i) {
         const float own = grey[begin + i];
-        sum[begin + i] += own >= 0.0F ? own : (w[begin + i] > 0.0F ? on_ground[i] : in_sky[i]);
+        const float behind = w[begin + i] > 0.0F ? on_ground[i] : in_sky[i];
+        sum[begin + i] += own >= 0.0F ? own : behind;
       }
     }
   }
@@ -113,7 +119,11 @@ class Shader {
 }  // namespace
 
 Renderer::Renderer(const SimulatorOptions& options, const Course& course, const World& world)
-    : options_(options), course_(course), world_(world) {}
+    : options_(options), course_(course), world_(world), calibration_(simulated_calibration(options)) {
+  if (!options.raw) return;
+  raw_.emplace_back(calibration_.left);
+  raw_.emplace_back(calibration_.right);
+}
 
 View Renderer::view(const RigidTransform& T_world_left, int eye) const {
   View v;
@@ -134,11 +144,27 @@ View Renderer::view(const RigidTransform& T_world_left, int eye) const {
   return v;
 }
 
+View Renderer::raw_view(const RigidTransform& T_world_left, int eye) const {
+  const RawEye& raw = raw_[static_cast<std::size_t>(eye)];
+  View v = view(T_world_left, eye);
+  v.width = raw.width();
+  v.height = raw.height();
+  v.focal_px = raw.focal_px();
+  v.cx_px = raw.cx_px();
+  v.cy_px = raw.cy_px();
+  // The unknown turn, if any, is one of the eye as it is mounted.
+  const Eigen::Matrix3d unknown = T_world_left.R.transpose() * v.R_world_camera;
+  const auto& mounted = eye == 0 ? calibration_.prescribed->R_left : calibration_.prescribed->R_right;
+  v.R_world_camera = T_world_left.R * mounted * unknown;
+  return v;
+}
+
 void Renderer::collect(const RigidTransform& T_world_left, double frame, RenderScratch& scratch,
                        std::vector<Visible>& visible) const {
   visible.clear();
   world_.near(T_world_left.t.x(), T_world_left.t.y(), 70.0, scratch.near);
-  const double slant = std::hypot(0.5 * options_.width, 0.5 * options_.height) / options_.focal_px;
+  // Sine over cosine of the corner's angle, with some to spare for turned eyes and lenses that see more.
+  const double slant = 1.25 * std::hypot(0.5 * options_.width, 0.5 * options_.height) / options_.focal_px;
   const auto add = [&](const Solid& s) {
     const Eigen::Vector3d p = T_world_left.R.transpose() * (s.center - T_world_left.t);
     const double reach = s.half_size.norm() + 2.5 * s.top_m;  // with its shadow
@@ -152,54 +178,94 @@ void Renderer::collect(const RigidTransform& T_world_left, double frame, RenderS
   for (const Solid& s : world_.movers(frame)) add(s);
 }
 
-void Renderer::look(const View& v, const std::vector<Visible>& visible, RasterScratch& scratch, bool grey,
-                    Pass& pass) const {
+std::vector<Patch> Renderer::patches(const RigidTransform& T_world_left, const std::vector<Visible>& visible) const {
+  std::vector<Patch> out;
+  for (const Visible& s : visible) {
+    Patch patch{};
+    if (s.shadow && shadow_of(s.solid, patch)) out.push_back(patch);
+  }
+  if (options_.shadow) {
+    // The sun behind the robot: its body and its mast ahead of the camera, whichever way it turns.
+    const Eigen::Vector2d forward = T_world_left.R.col(2).head<2>().normalized();
+    const Eigen::Vector2d left(-forward.y(), forward.x());
+    const auto add = [&](double ahead, double aside, double half_long, double half_wide) {
+      const double h = options_.camera_height_m / 0.85;  // a larger robot has a larger shadow
+      const Eigen::Vector2d middle = T_world_left.t.head<2>() + h * (ahead * forward + aside * left);
+      out.push_back({middle, forward, h * half_long, h * half_wide, T_world_left.t.z() - options_.camera_height_m,
+                     0.4 * h, true, 0.6F});
+    };
+    add(1.55, 0.15, 0.45, 0.42);
+    add(2.25, 0.18, 0.30, 0.07);
+  }
+  return out;
+}
+
+void Renderer::look(const View& v, const std::vector<Visible>& visible, RasterScratch& scratch, Pass& pass) const {
   pass.inverse_depth.resize(v.width, v.height);
   raster_ground(world_.ground(), v, pass.inverse_depth, scratch);
-  if (grey) {
-    pass.grey.resize(v.width, v.height);
-    pass.grey.fill(-1.0F);
-    pass.light.resize(v.width, v.height);
-    pass.row_shadowed.assign(static_cast<std::size_t>(v.height), 0);
-  }
-  for (const Visible& s : visible) raster_solid(s.solid, v, s.level, pass.inverse_depth, grey ? &pass.grey : nullptr);
-  if (!grey) return;
-  for (const Visible& s : visible) {
-    if (s.shadow) raster_shadow(s.solid, v, pass.inverse_depth, pass.grey, pass.light, pass.row_shadowed);
-  }
+  for (const Visible& s : visible) raster_solid(s.solid, v, s.level, pass.inverse_depth, nullptr);
+}
+
+void Renderer::cast(const View& v, const std::vector<Visible>& visible, const std::vector<Patch>& patches,
+                    RasterScratch& scratch, Pass& pass) const {
+  pass.inverse_depth.resize(v.width, v.height);
+  pass.grey.resize(v.width, v.height);
+  pass.grey.fill(-1.0F);
+  pass.light.resize(v.width, v.height);
+  pass.row_shadowed.assign(static_cast<std::size_t>(v.height), 0);
+  raster_ground(world_.ground(), v, pass.inverse_depth, scratch);
+  for (const Visible& s : visible) raster_solid(s.solid, v, s.level, pass.inverse_depth, &pass.grey);
+  for (const Patch& p : patches) raster_patch(p, v, pass.inverse_depth, pass.grey, pass.light, pass.row_shadowed);
 }
 
 void Renderer::render(std::int64_t frame, RenderScratch& scratch, CleanPair& out) const {
-  constexpr int kPasses = RenderScratch::kPasses;
+  const bool raw = !raw_.empty();
+  const std::span<const Sample> samples =
+      raw ? std::span<const Sample>(kRawSamples) : std::span<const Sample>(kSamples);
   const double exposure = options_.motion_blur ? kExposureS * options_.rate_hz : 0.0;
   std::vector<Shader> shaders[2];
   std::vector<Visible> visible;
-  for (int k = 0; k < kPasses; ++k) {
-    const double when = static_cast<double>(frame) + exposure * kSamples[k].time;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const double when = static_cast<double>(frame) + exposure * samples[k].time;
     const RigidTransform pose = course_.T_world_camera(when);
     collect(pose, when, scratch, visible);
+    const std::vector<Patch> dark = patches(pose, visible);
     for (int eye = 0; eye < 2; ++eye) {
-      View v = view(pose, eye);
-      v.offset_x = kSamples[k].x;
-      v.offset_y = kSamples[k].y;
-      look(v, visible, scratch.raster, true, scratch.passes[eye][k]);
+      View v = raw ? raw_view(pose, eye) : view(pose, eye);
+      v.offset_x = samples[k].x;
+      v.offset_y = samples[k].y;
+      cast(v, visible, dark, scratch.raster, scratch.passes[eye][k]);
       shaders[eye].emplace_back(v, world_.ground());
     }
   }
   // Row by row through all passes of both eyes: they see the same strip of ground, whose texels stay in the cache.
   Image<std::uint16_t>* const images[2] = {&out.left, &out.right};
-  std::vector<float> sum(static_cast<std::size_t>(options_.width));
-  for (Image<std::uint16_t>* image : images) image->resize(options_.width, options_.height);
-  for (int j = 0; j < options_.height; ++j) {
-    for (int eye = 0; eye < 2; ++eye) {
-      std::fill(sum.begin(), sum.end(), 0.0F);
-      for (int k = 0; k < kPasses; ++k)
-        shaders[eye][static_cast<std::size_t>(k)].add_row(scratch.passes[eye][k], j, sum.data());
+  const float scale = static_cast<float>(kGreyScale) / static_cast<float>(samples.size());
+  for (int eye = 0; eye < 2; ++eye) {
+    const std::size_t w = raw ? raw_[static_cast<std::size_t>(eye)].width() : options_.width;
+    const std::size_t h = raw ? raw_[static_cast<std::size_t>(eye)].height() : options_.height;
+    scratch.pinhole[eye].assign(w * h, 0.0F);
+  }
+  const int rows = raw ? std::max(raw_[0].height(), raw_[1].height()) : options_.height;
+  for (int j = 0; j < rows; ++j) {
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      const int width = raw ? raw_[eye].width() : options_.width;
+      if (raw && j >= raw_[eye].height()) continue;
+      float* sum = scratch.pinhole[eye].data() + static_cast<std::ptrdiff_t>(j) * width;
+      for (std::size_t k = 0; k < samples.size(); ++k) shaders[eye][k].add_row(scratch.passes[eye][k], j, sum);
+    }
+  }
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    if (raw) {
+      raw_[eye].resample(scratch.pinhole[eye], scale, static_cast<float>(kGreyMax), *images[eye]);
+      continue;
+    }
+    images[eye]->resize(options_.width, options_.height);
+    const float* sum = scratch.pinhole[eye].data();
+    for (int j = 0; j < options_.height; ++j) {
       std::uint16_t* row = images[eye]->view().row(j);
-      for (int i = 0; i < options_.width; ++i) {
-        const float v = sum[static_cast<std::size_t>(i)] * (static_cast<float>(kGreyScale) / kPasses) + 0.5F;
-        row[i] = static_cast<std::uint16_t>(std::clamp(v, 0.0F, static_cast<float>(kGreyMax)));
-      }
+      for (int i = 0; i < options_.width; ++i)
+        row[i] = static_cast<std::uint16_t>(std::clamp(*sum++ * scale + 0.5F, 0.0F, static_cast<float>(kGreyMax)));
     }
   }
 }
@@ -209,7 +275,7 @@ void Renderer::disparity(std::int64_t frame, RenderScratch& scratch, Image<float
   const RigidTransform pose = course_.T_world_camera(static_cast<double>(frame));
   std::vector<Visible> visible;
   collect(pose, static_cast<double>(frame), scratch, visible);
-  look(view(pose, 0), visible, scratch.raster, false, pass);
+  look(view(pose, 0), visible, scratch.raster, pass);
   out.resize(options_.width, options_.height);
   const auto scale = static_cast<float>(options_.focal_px * options_.baseline_m);
   for (int j = 0; j < options_.height; ++j) {

@@ -8,6 +8,7 @@
 #include "core/base/image.h"
 #include "drivers/simulator/course.h"
 #include "drivers/simulator/raster.h"
+#include "drivers/simulator/raw_pair.h"
 #include "drivers/simulator/world.h"
 
 namespace cliquevo::drivers::sim {
@@ -16,7 +17,7 @@ namespace cliquevo::drivers::sim {
 inline constexpr int kGreyScale = 16;
 inline constexpr int kGreyMax = 4095;
 // Raised whenever the same options give other images: old caches are then left alone.
-inline constexpr int kRenderVersion = 2;
+inline constexpr int kRenderVersion = 3;
 
 struct CleanPair {
   Image<std::uint16_t> left, right;
@@ -32,8 +33,9 @@ struct Pass {
 
 // What one thread needs for rendering.
 struct RenderScratch {
-  static constexpr int kPasses = 4;
-  Pass passes[2][kPasses];
+  static constexpr int kMostPasses = 4;
+  Pass passes[2][kMostPasses];
+  std::vector<float> pinhole[2];  // raw pairs: what the lens then distorts
   RasterScratch raster;
   std::vector<int> near;
 };
@@ -53,15 +55,23 @@ class Renderer {
     double level;
     bool shadow;
   };
-  View view(const RigidTransform& T_world_left, int eye) const;
+  View view(const RigidTransform& T_world_left, int eye) const;  // rectified
+  View raw_view(const RigidTransform& T_world_left, int eye) const;
   void collect(const RigidTransform& T_world_left, double frame, RenderScratch& scratch,
                std::vector<Visible>& visible) const;
-  // 1/depth and, when asked for, the grey levels of solids and the shadows.
-  void look(const View& view, const std::vector<Visible>& visible, RasterScratch& scratch, bool grey, Pass& pass) const;
+  // Shadows on the ground, the robot's own among them.
+  std::vector<Patch> patches(const RigidTransform& T_world_left, const std::vector<Visible>& visible) const;
+  // 1/depth alone.
+  void look(const View& view, const std::vector<Visible>& visible, RasterScratch& scratch, Pass& pass) const;
+  // 1/depth, the grey levels of solids, the light on the ground.
+  void cast(const View& view, const std::vector<Visible>& visible, const std::vector<Patch>& patches,
+            RasterScratch& scratch, Pass& pass) const;
 
   const SimulatorOptions& options_;
   const Course& course_;
   const World& world_;
+  StereoCalibration calibration_;
+  std::vector<RawEye> raw_;  // both eyes; empty for a rectified pair
 };
 
 }  // namespace cliquevo::drivers::sim

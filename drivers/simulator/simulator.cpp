@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "drivers/simulator/course.h"
+#include "drivers/simulator/raw_pair.h"
 #include "drivers/simulator/render_cache.h"
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/sensor.h"
@@ -37,26 +38,9 @@ class RenderedSimulator : public Simulator {
     info_.height = options_.height;
     info_.rate_hz = options_.rate_hz / static_cast<double>(options_.every);
     info_.frame_count = (options_.frames + options_.every - 1) / options_.every;
-    info_.description = fmt::format("simulator, {} course, world {}, noise {}", options_.course, options_.world_seed,
-                                    options_.noise_seed);
-    PrescribedRectification prescribed;
-    prescribed.model.width = options_.width;
-    prescribed.model.height = options_.height;
-    prescribed.model.fx_px = prescribed.model.fy_px = options_.focal_px;
-    prescribed.model.cx_px = 0.5 * (options_.width - 1);
-    prescribed.model.cy_px = 0.5 * (options_.height - 1);
-    prescribed.model.baseline_m = options_.baseline_m;
-    CameraCalibration eye;
-    eye.width = options_.width;
-    eye.height = options_.height;
-    eye.fx_px = eye.fy_px = options_.focal_px;
-    eye.cx_px = prescribed.model.cx_px;
-    eye.cy_px = prescribed.model.cy_px;
-    info_.calibration.left = info_.calibration.right = eye;
-    info_.calibration.T_right_left.t.x() = -options_.baseline_m;
-    info_.calibration.rectified = true;
-    info_.calibration.prescribed = prescribed;
-    info_.calibration.source = "simulator";
+    info_.description = fmt::format("simulator{}, {} course, world {}, noise {}", options_.raw ? " (raw)" : "",
+                                    options_.course, options_.world_seed, options_.noise_seed);
+    info_.calibration = simulated_calibration(options_);
     T_first_world_ = course_.T_world_camera(0.0).inverse();
   }
 

@@ -81,7 +81,7 @@ TEST_P(SimulatedRecordingTest, ReadsBackAsTheSamePairsAndCalibration) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Pair, SimulatedRecordingTest, testing::Values("course=wheeled"),
+INSTANTIATE_TEST_SUITE_P(Pair, SimulatedRecordingTest, testing::Values("course=wheeled", "raw=on"),
                          [](const auto& i) { return i.index == 0 ? "rectified" : "raw"; });
 
 TEST(SimulatedRecordingFolder, IsNotWrittenOver) {

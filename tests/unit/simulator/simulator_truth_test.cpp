@@ -213,5 +213,58 @@ TEST(SimulatorTruthWithRocks, NearSurfacesAreWhereTheDisparitySays) {
   }
 }
 
+// The raw pixel of a direction in the rectified frame, as OpenCV's pinhole model has it.
+Eigen::Vector2d project_raw(const CameraCalibration& c, const Eigen::Matrix3d& R_rectified_raw,
+                            const Eigen::Vector3d& ray) {
+  const Eigen::Vector3d q = R_rectified_raw.transpose() * ray;
+  const double x = q.x() / q.z();
+  const double y = q.y() / q.z();
+  const double r2 = x * x + y * y;
+  const auto& k = c.coefficients;
+  const double radial = 1.0 + k[0] * r2 + k[1] * r2 * r2;
+  return {c.fx_px * (x * radial + 2.0 * k[2] * x * y + k[3] * (r2 + 2.0 * x * x)) + c.cx_px,
+          c.fy_px * (y * radial + k[2] * (r2 + 2.0 * y * y) + 2.0 * k[3] * x * y) + c.cy_px};
+}
+
+TEST(SimulatorTruthOfTheRawPair, RectifiedByItsCalibrationItShowsTheDisparity) {
+  const char* options = "raw=on,rocks=0,cache_dir=none";
+  Scene scene(options);
+  const StereoCalibration c = open_simulator(*parse_simulator_options(options)).value()->info().calibration;
+  ASSERT_FALSE(c.rectified);
+  const StereoModel model = scene.model();
+  const Rendered r = scene.frame(37);
+  const auto rectify = [&](const Image<std::uint16_t>& raw, const CameraCalibration& camera, const Eigen::Matrix3d& R) {
+    Image<std::uint16_t> out(model.width, model.height);
+    const Sampler sampler{raw.view()};
+    for (int v = 0; v < model.height; ++v) {
+      for (int u = 0; u < model.width; ++u) {
+        const Eigen::Vector2d p =
+            project_raw(camera, R, {(u - model.cx_px) / model.fx_px, (v - model.cy_px) / model.fy_px, 1.0});
+        out.view()(u, v) = static_cast<std::uint16_t>(
+            sampler.inside(p.x(), p.y()) ? std::max(sampler(p.x(), p.y()) * sim::kGreyScale, 0.0) : 0.0);
+      }
+    }
+    return out;
+  };
+  const Image<std::uint16_t> left = rectify(r.pair.left, c.left, c.prescribed->R_left);
+  const Image<std::uint16_t> right = rectify(r.pair.right, c.right, c.prescribed->R_right);
+  for (int band = 0; band < 3; ++band) {
+    std::vector<Match> matches;
+    for (int v = 4; v < model.height - 4; ++v) {
+      for (int u = 4; u < model.width - 4; ++u) {
+        const double d = static_cast<double>(r.disparity.view()(u, v));
+        if (!std::isfinite(d) || u - d < 6.0) continue;
+        const double z = model.depth_m(d);
+        if (z >= kBands[band] && z < kBands[band + 1]) matches.push_back({u, v, u - d, static_cast<double>(v)});
+      }
+    }
+    const Left l = compare(left.view(), {right.view()}, matches);
+    RecordProperty("band_" + std::to_string(band), text(l));
+    EXPECT_LT(std::abs(l.du), 0.01) << text(l);
+    EXPECT_LT(std::abs(l.dv), 0.01) << text(l);
+    EXPECT_LT(l.rms, 0.4 * l.gradient) << text(l);  // both images were interpolated once more, in both directions
+  }
+}
+
 }  // namespace
 }  // namespace cliquevo::drivers
