@@ -234,7 +234,7 @@ Result<void> collect(const YAML::Node& map, const std::string& section, const Kn
     const std::string where = fmt::format("{}:{}", path, item.first.Mark().line + 1);
     if (!item.first.IsScalar()) return Error{"not a key", where, "give `name: value`"};
     const std::string& name = item.first.Scalar();
-    const std::string full = section.empty() ? name : section + "." + name;
+    const std::string full = section.empty() ? name : fmt::format("{}.{}", section, name);
     if (!seen.insert(name).second) return Error{fmt::format("key '{}' twice", full), where, "keep one of them"};
     if (known.keys.contains(full)) {
       entries[full] = {item.second, item.first.Mark().line + 1};

@@ -46,7 +46,8 @@ std::string HelpFormat::make_option_desc(const CLI::Option* option) const {
   std::erase(standard, '[');
   std::erase(standard, ']');
   if (option->get_required() && !option->get_positional()) text += " (required)";
-  if (!standard.empty()) text += " (default " + standard + ")";
+  // Where the value may be left out, CLI11 keeps here what the bare option means: no default.
+  if (!standard.empty() && option->get_expected_min() > 0) text += " (default " + standard + ")";
   return wrapped(text, kTextWidth);
 }
 

@@ -10,9 +10,7 @@
 #include "tools/doctor.h"
 #include "tools/exit_code.h"
 #include "tools/help_format.h"
-#ifdef CLIQUEVO_HAVE_SIMULATE
 #include "tools/simulate.h"
-#endif
 #include "tools/spy.h"
 
 namespace {
@@ -37,9 +35,7 @@ int run(int argc, char** argv) {
   add_replay_command(app, exit_code);
   add_disparity_command(app, exit_code);
   add_eval_command(app, exit_code);
-#ifdef CLIQUEVO_HAVE_SIMULATE
   add_simulate_command(app, exit_code);
-#endif
   add_doctor_command(app, exit_code);
   add_spy_command(app, exit_code);
   try {
