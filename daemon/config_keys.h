@@ -55,9 +55,12 @@ void visit_config_keys(C& c, Visitor& v) {
 
   auto& stereo = c.stereo;
   v.choice("stereo.prefilter", stereo.prefilter,
-           {{"none", stereo::Prefilter::none}, {"xsobel", stereo::Prefilter::xsobel}});
+           {{"none", stereo::Prefilter::none},
+            {"xsobel", stereo::Prefilter::xsobel},
+            {"gradients", stereo::Prefilter::gradients}});
   v.key("stereo.prefilter_cap", stereo.prefilter_cap);
   v.key("stereo.window", stereo.window);
+  v.key("stereo.window_height", stereo.window_height);
   v.key("stereo.min_disparity", stereo.min_disparity);
   v.key("stereo.num_disparities", stereo.num_disparities);
   v.key("stereo.uniqueness_percent", stereo.uniqueness_percent);
@@ -65,6 +68,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("stereo.left_right_tolerance", stereo.left_right_tolerance);
   v.key("stereo.speckle_size", stereo.speckle_size);
   v.key("stereo.speckle_range", stereo.speckle_range);
+  v.key("stereo.smoothing", stereo.smoothing);
   v.key("stereo.workers", stereo.workers);
 
   auto& odometry = c.odometry;

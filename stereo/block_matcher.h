@@ -7,6 +7,7 @@
 
 #include "core/base/image.h"
 #include "stereo/kernels/kernels.h"
+#include "stereo/prefilter.h"
 #include "stereo/stereo_params.h"
 
 namespace cliquevo::stereo {
@@ -15,11 +16,9 @@ namespace cliquevo::stereo {
 class StripMatcher {
  public:
   void prepare(const StereoParams& params, int width);
-  // Rows [begin, end) of the disparity image. left, right: pixel (0, 0) of the matching images; filtered: the
-  // pre-filtered left image, which the texture test reads.
-  void match(const kernels::Table& kernel, const StereoParams& params, const std::uint8_t* left,
-             const std::uint8_t* right, std::ptrdiff_t stride, ImageView<const std::uint8_t> filtered, int begin,
-             int end, ImageView<std::int16_t> disparity);
+  // Rows [begin, end) of the disparity image. `filtered` is the pre-filtered left image, which the texture test reads.
+  void match(const kernels::Table& kernel, const StereoParams& params, const MatchingPair& pair,
+             ImageView<const std::uint8_t> filtered, int begin, int end, ImageView<std::int16_t> disparity);
 
  private:
   void finish_row(const StereoParams& params, int y, ImageView<const std::uint8_t> filtered, bool first,
@@ -28,8 +27,7 @@ class StripMatcher {
 
   Image<std::uint8_t> columns_;
   Image<std::uint16_t> costs_;
-  std::vector<std::int16_t> found_;
-  std::vector<std::uint16_t> best_, below_, above_, second_;
+  Image<std::uint16_t> found_;
   std::vector<int> texture_columns_, texture_;
   std::vector<std::uint32_t> right_best_;  // cost and left column of each right pixel's best partner
 };

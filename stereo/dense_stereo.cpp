@@ -6,6 +6,7 @@
 
 #include "stereo/block_matcher.h"
 #include "stereo/prefilter.h"
+#include "stereo/smoothing.h"
 #include "stereo/speckles.h"
 
 namespace cliquevo::stereo {
@@ -32,10 +33,10 @@ struct DenseStereo::Impl {
   int width = 0;
   int height = 0;
   const kernels::Table& kernel = kernels::active();
-  MatchingImage left, right;
-  Image<std::uint8_t> filtered_right;
+  MatchingPair pair;
   StripMatcher strip;
   SpeckleFilter speckles;
+  Smoother smoother;
 
   template <typename T>
   Result<void> check(ImageView<T> view, const char* name) const {
@@ -65,9 +66,10 @@ Result<DenseStereo> DenseStereo::make(const StereoParams& params, int width, int
   if (width <= 0 || height <= 0 || width > 16384 || height > 16384) {
     return Error{"cannot set up stereo", size, "give an image of 1 to 16384 px each way"};
   }
-  if (params.window > width || params.window > height) {
+  if (params.window > width || params.window_height > height) {
     return Error{"cannot set up stereo",
-                 "window " + std::to_string(params.window) + " is larger than the image, " + size,
+                 "window " + std::to_string(params.window) + "x" + std::to_string(params.window_height) +
+                     " is larger than the image, " + size,
                  "give a smaller window or a larger image"};
   }
   if (params.min_disparity + params.num_disparities > width) {
@@ -80,12 +82,10 @@ Result<DenseStereo> DenseStereo::make(const StereoParams& params, int width, int
   impl->params = params;
   impl->width = width;
   impl->height = height;
-  const int neutral = kernels::matching_range(params.window, params.prefilter_cap);
-  impl->left.prepare(width, height, neutral);
-  impl->right.prepare(width, height, neutral);
-  impl->filtered_right.resize(width, height);
+  impl->pair.prepare(width, height);
   impl->strip.prepare(params, width);
   impl->speckles.prepare(width, height);
+  impl->smoother.prepare(width, params.smoothing);
   return DenseStereo(std::move(impl));
 }
 
@@ -105,13 +105,12 @@ Result<void> DenseStereo::compute(ImageView<const std::uint8_t> left, ImageView<
   if (overlap(out[0], out[1])) {
     return Error{"cannot match", "the output views overlap", "give each image its own memory"};
   }
-  prefilter_rows(s.kernel, s.params, left, 0, s.height, filtered_left, s.left);
-  prefilter_rows(s.kernel, s.params, right, 0, s.height, s.filtered_right.view(), s.right);
-  s.strip.match(s.kernel, s.params, s.left.row(0), s.right.row(0), s.left.stride(), filtered_left, 0, s.height,
-                disparity);
+  prefilter_rows(s.kernel, s.params, left, right, 0, s.height, filtered_left, s.pair);
+  s.strip.match(s.kernel, s.params, s.pair, filtered_left, 0, s.height, disparity);
   if (s.params.speckle_size > 0) {
     s.speckles.remove(disparity, s.params.speckle_size, s.params.speckle_range * kDisparityScale);
   }
+  if (s.params.smoothing > 0) s.smoother.smooth(s.kernel, disparity);
   return {};
 }
 

@@ -8,11 +8,11 @@
 
 namespace cliquevo::stereo {
 
-// An image for the matcher: the view lies in storage with neutral margins left and right.
+// An image for the matcher: the view lies in storage with margins left and right.
 class MatchingImage {
  public:
-  // Allocates, and fills the margins with the neutral value.
-  void prepare(int width, int height, int neutral);
+  // Allocates; margins are 0.
+  void prepare(int width, int height);
   std::uint8_t* row(int y) { return storage_.view().row(y) + kernels::kMargin; }
   const std::uint8_t* row(int y) const { return storage_.view().row(y) + kernels::kMargin; }
   std::ptrdiff_t stride() const { return storage_.view().stride; }
@@ -21,9 +21,21 @@ class MatchingImage {
   Image<std::uint8_t> storage_;
 };
 
-// Rows [begin, end) of `image` -> the same rows of `filtered` (0 .. 2 * cap, the paper's J) and `matching` (0 .. 2 *
-// range). Above the first and below the last row the image is continued by that row.
-void prefilter_rows(const kernels::Table& kernel, const StereoParams& params, ImageView<const std::uint8_t> image,
-                    int begin, int end, ImageView<std::uint8_t> filtered, MatchingImage& matching);
+// The curve that the gradients of the matching images go through.
+kernels::Curve matching_curve(const StereoParams& params);
+kernels::Channels matching_channels(const StereoParams& params);
+
+// The pre-filtered pair that the matcher compares.
+struct MatchingPair {
+  MatchingImage left;
+  MatchingImage right[2];  // by channel
+  void prepare(int width, int height);
+};
+
+// Rows [begin, end) of both images -> the same rows of `filtered` (0 .. 2 * cap, the paper's J) and of the matching
+// images. Above the first and below the last row an image is continued by that row.
+void prefilter_rows(const kernels::Table& kernel, const StereoParams& params, ImageView<const std::uint8_t> left,
+                    ImageView<const std::uint8_t> right, int begin, int end, ImageView<std::uint8_t> filtered,
+                    MatchingPair& matching);
 
 }  // namespace cliquevo::stereo

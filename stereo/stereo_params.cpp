@@ -2,6 +2,7 @@
 #include "stereo/stereo_params.h"
 
 #include <string>
+#include <utility>
 
 namespace cliquevo::stereo {
 
@@ -13,6 +14,7 @@ Result<void> StereoParams::check() const {
   const Limit limits[] = {
       {"prefilter_cap", prefilter_cap, 1, 63},
       {"window", window, 5, 21},
+      {"window_height", window_height, 3, 21},
       {"min_disparity", min_disparity, -64, 64},
       {"num_disparities", num_disparities, 16, 256},
       {"uniqueness_percent", uniqueness_percent, 0, 100},
@@ -20,6 +22,7 @@ Result<void> StereoParams::check() const {
       {"left_right_tolerance", left_right_tolerance, -1, 64},
       {"speckle_size", speckle_size, 0, 1 << 20},
       {"speckle_range", speckle_range, 0, 64},
+      {"smoothing", smoothing, 0, 3},
       {"workers", workers, 1, 64},
   };
   for (const Limit& l : limits) {
@@ -28,8 +31,11 @@ Result<void> StereoParams::check() const {
                    "give " + std::to_string(l.lowest) + " to " + std::to_string(l.highest)};
     }
   }
-  if (window % 2 == 0) {
-    return Error{"stereo parameter out of range", "window = " + std::to_string(window), "give an odd number"};
+  for (const auto& [name, value] : {std::pair{"window", window}, {"window_height", window_height}}) {
+    if (value % 2 == 0) {
+      return Error{"stereo parameter out of range", std::string(name) + " = " + std::to_string(value),
+                   "give an odd number"};
+    }
   }
   if (num_disparities % 16 != 0) {
     return Error{"stereo parameter out of range", "num_disparities = " + std::to_string(num_disparities),

@@ -5,20 +5,24 @@
 
 namespace cliquevo::stereo {
 
-enum class Prefilter { none, xsobel };
+// What is compared between the eyes. none: grey values. xsobel: the horizontal gradient, clipped. gradients: horizontal
+// and vertical gradients, taking turns like the squares of a chessboard, through a curve that keeps weak ones.
+enum class Prefilter { none, xsobel, gradients };
 
-// Everything that steers the dense stereo stage. Defaults are the shipped ones.
+// Everything that steers the dense stereo stage. Defaults are the shipped ones, chosen in stereo/README.md.
 struct StereoParams {
-  Prefilter prefilter = Prefilter::xsobel;
-  int prefilter_cap = 31;        // x-Sobel is clipped to +-cap grey levels, 1..63
-  int window = 9;                // SAD window, px, odd, 5..21
+  Prefilter prefilter = Prefilter::gradients;
+  int prefilter_cap = 31;        // x-Sobel is clipped to +-cap grey levels, 1..63: in J always, in matching with xsobel
+  int window = 13;               // width of the SAD window, px, odd, 5..21
+  int window_height = 7;         // its height, px, odd, 5..21: ground leans away, low windows follow it
   int min_disparity = -2;        // first disparity searched, px (a slightly wrong calibration puts far points below 0)
   int num_disparities = 128;     // number of disparities searched, multiple of 16, 16..256
   int uniqueness_percent = 10;   // the best cost must beat any other (not its neighbours) by this much, 0 = off
-  int texture_threshold = 10;    // minimum mean of |pre-filtered gradient| per window, 0 = off
+  int texture_threshold = 2;     // least mean of the clipped |x-Sobel| over the window, grey levels, 0 = off
   int left_right_tolerance = 1;  // px, < 0 = off
   int speckle_size = 100;        // components smaller than this many px are removed, 0 = off
   int speckle_range = 1;         // px between neighbours of one component
+  int smoothing = 2;             // px to each side, 0..3: mean over known neighbours less than 1 px apart, 0 = off
   int workers = 1;               // threads over which rows are shared; the output does not depend on it
 
   Result<void> check() const;

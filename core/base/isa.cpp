@@ -16,6 +16,8 @@ bool isa_available(Isa isa) {
       return __builtin_cpu_supports("sse4.1") != 0 && __builtin_cpu_supports("ssse3") != 0;
     case Isa::avx2:
       return __builtin_cpu_supports("avx2") != 0;
+    case Isa::avx512:  // with byte and word operations
+      return __builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512vl") != 0;
     case Isa::neon:
       return false;
 #elif defined(__aarch64__)
@@ -37,6 +39,8 @@ const char* isa_name(Isa isa) {
       return "sse4";
     case Isa::avx2:
       return "avx2";
+    case Isa::avx512:
+      return "avx512";
     case Isa::neon:
       return "neon";
     case Isa::reference:
@@ -48,7 +52,7 @@ const char* isa_name(Isa isa) {
 Isa active_isa() {
   static const Isa chosen = [] {
     const char* forced = std::getenv("CLIQUEVO_ISA");
-    for (const Isa isa : {Isa::avx2, Isa::neon, Isa::sse4, Isa::reference}) {
+    for (const Isa isa : {Isa::avx512, Isa::avx2, Isa::neon, Isa::sse4, Isa::reference}) {
       if (forced != nullptr && *forced != '\0') {
         if (std::strcmp(forced, isa_name(isa)) == 0) return isa_available(isa) ? isa : Isa::reference;
       } else if (isa_available(isa)) {

@@ -10,6 +10,8 @@ const Table& table(Isa isa) {
       return kSse4;
     case Isa::avx2:
       return kAvx2;
+    case Isa::avx512:
+      return kAvx512;
 #elif defined(__aarch64__)
     case Isa::neon:
       return kNeon;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The inner loops of the stereo stage behind one table. All of it is integer work and bit for bit the same on every
-// instruction set; reference.cpp says in plain words what each entry does.
+// The inner loops of the stereo stage behind one table. They give the same bits on every instruction set; reference.cpp
+// says in plain words what each entry does.
 #pragma once
 
 #include <cstddef>
@@ -19,50 +19,122 @@ struct RemapPixel {
   std::uint8_t weight_y = 0;  // of row y + 1, 0..64
 };
 
-// Matching images carry margins of `kMargin` neutral pixels on both sides of a row, so that vectors may run over the
-// ends of a row; what lies there never decides anything.
-inline constexpr int kMargin = 320;
+// Rows of matching images carry `kMargin` pixels on both sides, so that vectors may run over their ends; what lies
+// there never decides anything.
+inline constexpr int kMargin = 384;
 
-// Column sums of absolute differences are 8-bit: window * 2 * range must fit.
-constexpr int matching_range(int window, int cap) { return cap < 127 / window ? cap : 127 / window; }
-// Disparities are handled in groups of 32.
+// Vectors take 32 disparities at a time.
 constexpr int padded_disparities(int num_disparities) { return (num_disparities + 31) / 32 * 32; }
+// A cost and the place where it was found share 16 bits ("key"): this many places must be told apart.
+constexpr int key_weight(int num_disparities) {
+  int weight = 1;
+  while (weight * 8 < padded_disparities(num_disparities)) weight *= 2;
+  return weight;
+}
+// Matching images hold 0 .. 2 * range. The range is as large as the sums allow: 7 bits for a column of the window, 16
+// for a key. More than 9 brings nothing (stereo/README.md).
+constexpr int matching_range(int window, int window_height, int num_disparities) {
+  const int weight = key_weight(num_disparities);
+  int range = 63 / window_height < 9 ? 63 / window_height : 9;
+  while (range > 1 && window * window_height * 2 * range * weight + weight > 65535) --range;
+  return range;
+}
 
-// What the matcher finds for each pixel of a row: costs are sums of absolute differences over the window.
+// Gradient v -> matching value: |v| through a concave curve of three straight pieces, sign kept:
+// sum of slope[i] * min(|v|, knee[i]) / 4096, rounded, at most range. The sum must stay below 65536 - 2048.
+struct Curve {
+  std::uint16_t knee[3];
+  std::uint16_t slope[3];
+  int range;
+};
+
+// Which gradient a pixel of the left matching image holds, and with which one of the right image it is compared.
+enum class Channels { horizontal, checkered };  // checkered: vertical where x + y is odd
+constexpr int channel(Channels channels, int x, int y) { return channels == Channels::checkered ? (x + y) & 1 : 0; }
+
+struct PrefilterRow {
+  const std::uint8_t* above;
+  const std::uint8_t* row;
+  const std::uint8_t* below;
+  int width;
+  Curve curve;
+};
+
+// What the matcher finds for each pixel of a row: costs are sums of absolute differences over the window. The rows lie
+// a fixed distance apart, so that one address reaches them all.
 struct MatchRow {
-  std::int16_t* disparity;  // px; kUnknownDisparity where no window fits or the best one ends the range
-  std::uint16_t* best;      // cost at `disparity`; the three below are only set where it is known
-  std::uint16_t* below;     // cost at disparity - 1
-  std::uint16_t* above;     // cost at disparity + 1
-  std::uint16_t* second;    // lowest cost more than 1 px away, 65535 if there is none
+  static constexpr int kStride = 16384 + 160;
+  enum { kDisparity, kBest, kBelow, kAbove, kSecond, kFound, kBeside = kFound + 2, kRows = kBeside + 2 };
+  std::uint16_t* rows;  // kRows * kStride
+
+  // px; kUnknownDisparity where no window fits or the best one ends the range
+  std::int16_t* disparity() const { return reinterpret_cast<std::int16_t*>(rows + kDisparity * kStride); }
+  // cost at `disparity`; this one and the next are only set where it is known
+  std::uint16_t* best() const { return rows + kBest * kStride; }
+  std::uint16_t* below() const { return rows + kBelow * kStride; }  // cost at disparity - 1
+  std::uint16_t* above() const { return rows + kAbove * kStride; }  // cost at disparity + 1
+  // lowest cost more than 1 px away, 65535 / key_weight() if there is none
+  std::uint16_t* second() const { return rows + kSecond * kStride; }
+  // scratch of the vector kernels
+  std::uint32_t* found() const { return reinterpret_cast<std::uint32_t*>(rows + kFound * kStride); }
+  std::uint32_t* beside() const { return reinterpret_cast<std::uint32_t*>(rows + kBeside * kStride); }
 };
 
 struct MatchJob {
-  const std::uint8_t* left;   // matching images: pixel (0, 0); values 0 .. 2 * range
-  const std::uint8_t* right;  // of the same stride
-  std::ptrdiff_t stride;
+  const std::uint8_t* left;      // matching images: pixel (0, 0); values 0 .. 2 * range
+  const std::uint8_t* right[2];  // by channel
+  std::ptrdiff_t stride;         // of all three
+  Channels channels;
   int width;
   int height;
   int window;
+  int window_height;
   int min_disparity;
   int num_disparities;
-  int y;                  // the row to match; rows beyond the image are its first or last row again
+  int y;                  // the row to match; beyond the image its first or last row is repeated
   bool first;             // whether `columns` must be built anew; otherwise they are those of row y - 1
-  std::uint8_t* columns;  // width * padded_disparities, kept between rows
-  std::uint16_t* costs;   // width * padded_disparities (the vector kernels use a part)
+  std::uint8_t* columns;  // column sums, column_cells()
+  std::uint16_t* costs;   // cost_cells()
   MatchRow out;
 };
+
+// The vector kernels go in blocks of pixels, the last of which reaches beyond the row.
+inline constexpr int kMatchBlock = 8;
+// Elements of the two scratch buffers; 64-byte aligned.
+constexpr std::size_t column_cells(int width, int num_disparities) {
+  return static_cast<std::size_t>(width + kMatchBlock + 1) *
+         static_cast<std::size_t>(padded_disparities(num_disparities));
+}
+constexpr std::size_t cost_cells(int num_disparities) {
+  return (1 + 2 * kMatchBlock) * static_cast<std::size_t>(padded_disparities(num_disparities));
+}
+
+// A row to smooth: each known value moves to the mean of itself and of those neighbours that are at most `reach` away.
+// result = (value * scale + mean difference * scale + round) >> shift.
+struct SmoothRow {
+  const std::int16_t* centre;
+  const std::int16_t* neighbour[6];  // rows or the row itself shifted; unknown where the image ends
+  int neighbours;
+  int reach;
+  int scale;
+  int round;
+  int shift;
+};
+// 32768 / n: means without a division. One value alone has no difference to share out.
+inline constexpr std::int32_t kReciprocals[8] = {0, 32767, 16384, 10923, 8192, 6554, 5461, 4681};
 
 struct Table {
   Isa isa;
   // out[i] = bilinear sample of raw at map[i], 0 where there is no source.
   void (*remap_row)(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapPixel* map, int width,
                     std::uint8_t* out);
-  // x-Sobel of a row given its neighbours: filtered = clip(sobel, +-cap) + cap;
-  // matching = round(clip(sobel, +-cap) * scale / 2^15) + range. The first and last column are neutral.
-  void (*prefilter_row)(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int width,
-                        int cap, int scale, int range, std::uint8_t* filtered, std::uint8_t* matching);
+  // 3x3 Sobel gradients, 0 in the first and last column; matching = curve(gradient) + range.
+  // left: filtered = clip(horizontal, +-cap) + cap; the gradient in `matching` by channel of (x, y).
+  void (*prefilter_left)(const PrefilterRow& in, Channels channels, int y, int cap, std::uint8_t* filtered,
+                         std::uint8_t* matching);
+  void (*prefilter_right)(const PrefilterRow& in, std::uint8_t* horizontal, std::uint8_t* vertical);
   void (*match_row)(const MatchJob& job);
+  void (*smooth_row)(const SmoothRow& in, int width, std::int16_t* out);
 };
 
 // The table for an instruction set this build has; the reference's otherwise.
@@ -73,6 +145,7 @@ const Table& active();
 extern const Table kReference;
 extern const Table kSse4;
 extern const Table kAvx2;
+extern const Table kAvx512;
 extern const Table kNeon;
 
 }  // namespace cliquevo::stereo::kernels

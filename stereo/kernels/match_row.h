@@ -4,127 +4,282 @@
 // into another's path; for the same reason nothing from the standard library is called here.
 //
 // Vectors run over disparities: element e of a pixel is disparity last - e, so that the right image is read upwards.
-// A key is cost * weight + (e >> 3) within its group: the minimum of the keys tells the cost and, with the lane it sits
-// in, the disparity; of equal costs the smallest e, the nearest point, wins.
+// Column sums are bytes in the order of e. Costs are kept as keys, cost * weight + place, in 16 bits: of each vector of
+// bytes the even elements form one register of keys and the odd ones another. `place` is 2 * (e / 16) + (e & 1), the
+// lane within eight tells the rest, so that the smallest key of a pixel carries cost and disparity at once.
 
-template <typename V>
+#define CLIQUEVO_INLINE [[gnu::always_inline]] inline
+
+// What belongs to the winner of a pixel, by its lane and place: where its neighbours' keys lie (bytes), and which keys
+// the second look must leave out: the winner, in the register set of its own parity, and both neighbours in the other.
+template <int kBytes, int kPadded>
+struct Winners {
+  static constexpr int kWeight = key_weight(kPadded);
+  struct Entry {
+    std::uint16_t nearer, farther;
+    // First of the elements of even (odd) number that are left out, counted among those of their parity plus 1; bit 15:
+    // there are two of them.
+    std::uint16_t even, odd;
+  };
+  Entry at[kWeight * 8];
+
+  static constexpr std::uint16_t offset(int e) {
+    if (e < 0 || e >= kPadded) return 0;  // ends of the range are thrown away later
+    return static_cast<std::uint16_t>(2 * (e / kBytes * kBytes + (e & 1) * (kBytes / 2) + e % kBytes / 2));
+  }
+  constexpr Winners() : at() {
+    for (int place = 0; place < kWeight; ++place) {
+      for (int lane = 0; lane < 8; ++lane) {
+        const int e = (place >> 1) * 16 + 2 * lane + (place & 1);
+        const int pair = e / 2;
+        const bool is_odd = (e & 1) != 0;
+        at[lane * kWeight + place] = {offset(e - 1), offset(e + 1),
+                                      static_cast<std::uint16_t>(is_odd ? (pair + 1) | 0x8000 : pair + 1),
+                                      static_cast<std::uint16_t>(is_odd ? pair + 1 : pair | 0x8000)};
+      }
+    }
+  }
+};
+
+// Sixteen-bit lanes that are all ones at kCentre and, in the second half, also at the next: slid over the keys of one
+// parity, they take the winner or its neighbours out of the second look.
+struct LeftOut {
+  static constexpr int kCentre = 160;
+  static constexpr int kSize = 2 * kCentre + 32;
+  std::uint16_t lanes[2 * kSize];
+  constexpr LeftOut() : lanes() { lanes[kCentre] = lanes[kSize + kCentre] = lanes[kSize + kCentre + 1] = 0xFFFF; }
+  // Of the element that the winner table names (see Winners::Entry).
+  const std::uint16_t* slid(std::uint16_t entry) const {
+    return lanes + (entry >> 15) * kSize + kCentre + 1 - (entry & 0x7FFF);
+  }
+};
+
+template <typename V, int kVectors>
 struct RowMatcher {
   using Reg = typename V::Reg;
-  static constexpr int kLanes = V::kBytes / 2;
+  static constexpr int kBytes = V::kBytes;
+  static constexpr int kKeys = kBytes / 2;  // keys in a register
+  static constexpr int kPadded = kVectors * kBytes;
+  static constexpr int kWeight = key_weight(kPadded);
+  static constexpr int kBlock = kMatchBlock;
+  using WinnerTable = Winners<kBytes, kPadded>;
 
   const MatchJob& job;
-  const int padded = padded_disparities(job.num_disparities);
   const int radius = job.window / 2;
   const int last = job.min_disparity + job.num_disparities - 1;
-  int group = 0;   // disparities whose keys are compared with each other
-  int weight = 0;  // of a cost within a key
-  int shift = 0;   // log2(weight)
+  std::uint8_t* const columns = job.columns + kPadded;  // a column of zeros comes first
+  std::uint16_t* const elements = job.costs;            // e of each key, for masks
+  std::uint16_t* const ring = elements + kPadded;       // keys of two blocks of pixels
 
-  explicit RowMatcher(const MatchJob& j) : job(j) {
-    const int highest = job.window * (job.window * (127 / job.window) * 2);
-    weight = 1;
-    while (highest * weight * 2 + weight * 2 < 65535 && weight * 8 < padded) weight *= 2, ++shift;
-    group = weight * 8;
+  explicit RowMatcher(const MatchJob& j) : job(j) {}
+
+  struct Row {
+    const std::uint8_t* left;
+    const std::uint8_t* right[2];  // by parity of x, at element 0
+  };
+  Row row(int y) const {
+    const int clamped = y < 0 ? 0 : (y >= job.height ? job.height - 1 : y);
+    const std::ptrdiff_t offset = clamped * job.stride;
+    return {job.left + offset,
+            {job.right[channel(job.channels, 0, clamped)] + offset - last,
+             job.right[channel(job.channels, 1, clamped)] + offset - last}};
   }
 
-  static int clamp_row(int y, int height) { return y < 0 ? 0 : (y >= height ? height - 1 : y); }
-  const std::uint8_t* left_row(int y) const { return job.left + clamp_row(y, job.height) * job.stride; }
-  const std::uint8_t* right_row(int y) const { return job.right + clamp_row(y, job.height) * job.stride - last; }
-
+  // The sums of row y - 1, which run() then moves down like any other's.
   void build_columns() const {
-    for (int i = 0; i < job.width * padded; i += V::kBytes) V::store(job.columns + i, V::zero());
-    for (int j = -radius; j <= radius; ++j) {
-      const std::uint8_t* l = left_row(job.y + j);
-      const std::uint8_t* r = right_row(job.y + j);
-      for (int x = 0; x < job.width; ++x) {
-        const Reg pixel = V::broadcast8(l[x]);
-        std::uint8_t* column = job.columns + static_cast<std::ptrdiff_t>(x) * padded;
-        for (int e = 0; e < padded; e += V::kBytes) {
-          V::store(column + e, V::add8(V::load(column + e), V::difference(pixel, V::load(r + x + e))));
+    for (int i = -kPadded; i < (job.width + kBlock) * kPadded; i += kBytes) V::store(columns + i, V::zero());
+    const int rows = job.window_height / 2;
+    for (int j = -rows; j <= rows; ++j) {
+      const Row in = row(job.y - 1 + j);
+      for (int x = 0; x < job.width + kBlock; ++x) {
+        const Reg pixel = V::broadcast8(in.left + x);
+        const std::uint8_t* right = in.right[x & 1] + x;
+        std::uint8_t* column = columns + static_cast<std::ptrdiff_t>(x) * kPadded;
+        for (int e = 0; e < kPadded; e += kBytes) {
+          V::store(column + e, V::add8(V::load(column + e), V::difference(pixel, V::load(right + e))));
         }
       }
     }
   }
 
-  void move_columns() const {
-    const std::uint8_t* l_in = left_row(job.y + radius);
-    const std::uint8_t* r_in = right_row(job.y + radius);
-    const std::uint8_t* l_out = left_row(job.y - radius - 1);
-    const std::uint8_t* r_out = right_row(job.y - radius - 1);
-    for (int x = 0; x < job.width; ++x) {
-      const Reg in = V::broadcast8(l_in[x]);
-      const Reg out = V::broadcast8(l_out[x]);
-      std::uint8_t* column = job.columns + static_cast<std::ptrdiff_t>(x) * padded;
-      for (int e = 0; e < padded; e += V::kBytes) {
-        const Reg change =
-            V::sub8(V::difference(in, V::load(r_in + x + e)), V::difference(out, V::load(r_out + x + e)));
-        V::store(column + e, V::add8(V::load(column + e), change));
-      }
+  // The sums of the columns in the window, as keys.
+  struct Sums {
+    Reg even[kVectors];
+    Reg odd[kVectors];
+  };
+  struct Factors {
+    Reg even, odd;
+  };
+
+  // Moves one column down by a row and into the window, and another one out.
+  CLIQUEVO_INLINE static void enter(Sums& sums, const Factors& factors, const std::uint8_t* left_in,
+                                    const std::uint8_t* left_out, const std::uint8_t* right_in,
+                                    const std::uint8_t* right_out, std::uint8_t* column, const std::uint8_t* leaving) {
+    const Reg pixel_in = V::broadcast8(left_in);
+    const Reg pixel_out = V::broadcast8(left_out);
+#pragma GCC unroll 16
+    for (int v = 0; v < kVectors; ++v) {
+      const Reg added = V::difference(pixel_in, V::load(right_in + v * kBytes));
+      const Reg removed = V::difference(pixel_out, V::load(right_out + v * kBytes));
+      const Reg sum = V::add8(V::load(column + v * kBytes), V::sub8(added, removed));
+      V::store(column + v * kBytes, sum);
+      V::accumulate(sums.even[v], sums.odd[v], V::sub8(sum, V::load(leaving + v * kBytes)), factors.even, factors.odd);
     }
   }
 
-  // Where element e lies in the cost buffer: unpacking bytes to words shuffles the lanes of wide registers.
-  static int address(int e) { return V::kBytes == 32 ? (e & ~31) | (e & 8) << 1 | (e & 16) >> 1 | (e & 7) : e; }
+  // Stores the keys of pixel x and finds the smallest one. In a masked pixel only for some elements both windows lie
+  // within their images.
+  template <bool kMasked>
+  CLIQUEVO_INLINE void find_best(int x, Sums sums, std::uint16_t* key) const {
+    if constexpr (kMasked) {
+      int final = job.num_disparities - 1;
+      const int lowest = x + radius - job.width + 1;
+      if (lowest > job.min_disparity) final -= lowest - job.min_disparity;
+      const int first = x - radius < last ? last - (x - radius) : 0;
+#pragma GCC unroll 16
+      for (int v = 0; v < kVectors; ++v) {
+        sums.even[v] = V::mask(sums.even[v], elements + v * kBytes, first, final);
+        sums.odd[v] = V::mask(sums.odd[v], elements + v * kBytes + kKeys, first, final);
+      }
+    }
+    Reg least{};
+#pragma GCC unroll 16
+    for (int v = 0; v < kVectors; ++v) {
+      V::store(key + v * kBytes, sums.even[v]);
+      V::store(key + v * kBytes + kKeys, sums.odd[v]);
+      const Reg both = V::min16(sums.even[v], sums.odd[v]);
+      least = v == 0 ? both : V::min16(least, both);
+    }
+    job.out.found()[x] = V::minimum(least);  // key, lane << 16
+  }
+
+  // The second look, a block later: the neighbours of each winner and the smallest of the other keys. It waits for the
+  // winner's place, which would hold up the search if it came at once.
+  CLIQUEVO_INLINE void look_again(int x, const std::uint16_t* key) const {
+    static constexpr WinnerTable kWinners;
+    for (int i = 0; i < kBlock; ++i, key += kPadded) {
+      const std::uint32_t found = job.out.found()[x + i];
+      const auto& winner = kWinners.at[(found >> 16) * kWeight + (found & (kWeight - 1))];
+      const auto neighbour = [key](std::uint16_t offset) {
+        return *reinterpret_cast<const std::uint16_t*>(reinterpret_cast<const char*>(key) + offset);
+      };
+      job.out.beside()[x + i] = static_cast<std::uint32_t>(neighbour(winner.nearer)) << 16 | neighbour(winner.farther);
+      job.out.second()[x + i] =
+          static_cast<std::uint16_t>(V::minimum(V::template least_but<kVectors>(key, winner.even, winner.odd)));
+    }
+  }
+
+  template <bool kMasked>
+  CLIQUEVO_INLINE void match_block(int x, const Row& in, const Row& out, Sums& sums, const Factors& factors,
+                                   std::uint16_t* keys) const {
+    const std::uint8_t* left_in = in.left + x + radius;
+    const std::uint8_t* left_out = out.left + x + radius;
+    const std::uint8_t* right_in[2] = {in.right[0] + x + radius, in.right[1] + x + radius};
+    const std::uint8_t* right_out[2] = {out.right[0] + x + radius, out.right[1] + x + radius};
+    std::uint8_t* column = columns + static_cast<std::ptrdiff_t>(x + radius) * kPadded;
+    const std::uint8_t* leaving = columns + static_cast<std::ptrdiff_t>(x - radius - 1) * kPadded;
+    for (int i = 0; i < kBlock; i += 2) {
+      enter(sums, factors, left_in + i, left_out + i, right_in[0] + i, right_out[0] + i, column, leaving);
+      find_best<kMasked>(x + i, sums, keys);
+      enter(sums, factors, left_in + i + 1, left_out + i + 1, right_in[1] + i + 1, right_out[1] + i + 1,
+            column + kPadded, leaving + kPadded);
+      find_best<kMasked>(x + i + 1, sums, keys + kPadded);
+      column += 2 * kPadded;
+      leaving += 2 * kPadded;
+      keys += 2 * kPadded;
+    }
+  }
 
   void run() const {
-    if (job.first) {
-      build_columns();
-    } else {
-      move_columns();
+    if (job.first) build_columns();
+    for (int e = 0; e < kPadded; ++e) elements[WinnerTable::offset(e) / 2] = static_cast<std::uint16_t>(e);
+    const Row in = row(job.y + job.window_height / 2);
+    const Row out = row(job.y - job.window_height / 2 - 1);
+    const Factors factors{V::factor_even(kWeight), V::factor_odd(kWeight)};
+    Sums sums;
+    for (int v = 0; v < kVectors; ++v) {
+      sums.even[v] = V::places(v * kBytes / 8);
+      sums.odd[v] = V::places(v * kBytes / 8 + 1);
     }
-    std::uint16_t* sums = job.costs;             // running sums as keys, of the pixel at hand
-    std::uint16_t* masked = job.costs + padded;  // the same, impossible ones at 65535
-    for (int e = 0; e < padded; ++e) sums[address(e)] = static_cast<std::uint16_t>((e % group) >> 3);
-    for (int x = 0; x < job.width; ++x) job.out.disparity[x] = kUnknownDisparity;
-    alignas(64) static const std::uint8_t kNothing[288] = {};
-    for (int x = -radius; x < job.width - radius; ++x) {
-      const std::uint8_t* in = job.columns + static_cast<std::ptrdiff_t>(x + radius) * padded;
-      const std::uint8_t* out =
-          x > radius ? job.columns + static_cast<std::ptrdiff_t>(x - radius - 1) * padded : kNothing;
-      const Reg factors = V::factors(weight);
-      for (int e = 0; e < padded; e += V::kBytes) {
-        Reg lo = V::load(sums + e);
-        Reg hi = V::load(sums + e + kLanes);
-        V::accumulate(lo, hi, V::load(in + e), V::load(out + e), factors);
-        V::store(sums + e, lo);
-        V::store(sums + e + kLanes, hi);
+    for (int x = 0; x < 2 * radius; ++x) {
+      enter(sums, factors, in.left + x, out.left + x, in.right[x & 1] + x, out.right[x & 1] + x,
+            columns + static_cast<std::ptrdiff_t>(x) * kPadded, columns - kPadded);
+    }
+    // Blocks of pixels, the last one reaching beyond the row; its first column is always an even one. Where every
+    // disparity can be seen no masks are needed.
+    const int begin = radius;
+    const int end = job.width - radius;
+    const int all_begin = job.num_disparities == kPadded ? last + radius : end;
+    const int all_end = end + (job.min_disparity < 0 ? job.min_disparity : 0);
+    std::uint16_t* keys = ring;
+    std::uint16_t* earlier = ring + kBlock * kPadded;
+    for (int x = begin; x < end; x += kBlock) {
+      if (x >= all_begin && x + kBlock <= all_end) {
+        match_block<false>(x, in, out, sums, factors, keys);
+      } else {
+        match_block<true>(x, in, out, sums, factors, keys);
       }
-      if (x >= radius) find_best(x, sums, masked);
+      if (x > begin) look_again(x - kBlock, earlier);
+      std::uint16_t* const swapped = keys;
+      keys = earlier;
+      earlier = swapped;
     }
+    look_again(begin + (end - begin - 1) / kBlock * kBlock, earlier);
+    decode(begin, end);
   }
 
-  void find_best(int x, const std::uint16_t* sums, std::uint16_t* masked) const {
-    // Both windows lie within their images for elements first..final.
-    const int least = x + radius - job.width + 1;
-    const int final = job.num_disparities - 1 - (least > job.min_disparity ? least - job.min_disparity : 0);
-    const int first = x - radius < last ? last - (x - radius) : 0;
-    if (final - first < 2) return;
-    for (int i = 0; i < padded; i += kLanes) V::store(masked + i, V::load(sums + i));
-    for (int e = 0; e < first; ++e) masked[address(e)] = 65535;
-    for (int e = final + 1; e < padded; ++e) masked[address(e)] = 65535;
-    int best = 65536;
-    int best_e = 0;
-    for (int g = 0; g < padded; g += group) {
-      Reg m = V::load(masked + g);
-      const int end = g + group < padded ? g + group : padded;
-      for (int i = g + kLanes; i < end; i += kLanes) m = V::min16(m, V::load(masked + i));
-      int lane = 0;
-      const int key = V::minimum(m, lane);
-      if ((key >> shift) < best) {
-        best = key >> shift;
-        best_e = g + (key & (weight - 1)) * 8 + lane;
-      }
+  // Keys to costs, winners to disparities.
+  void decode(int begin, int end) const {
+    std::int16_t* const disparity = job.out.disparity();
+    std::uint16_t* const best = job.out.best();
+    std::uint16_t* const below = job.out.below();
+    std::uint16_t* const above = job.out.above();
+    std::uint16_t* const second = job.out.second();
+    const std::uint32_t* const found = job.out.found();
+    const std::uint32_t* const beside = job.out.beside();
+    constexpr int kShift = __builtin_ctz(static_cast<unsigned>(kWeight));
+    for (int x = 0; x < begin; ++x) disparity[x] = kUnknownDisparity;
+    for (int x = end; x < job.width; ++x) disparity[x] = kUnknownDisparity;
+    const int nearest = last;
+    const int lowest = job.min_disparity;
+    const int farthest_left = radius;
+    const int farthest_right = radius - job.width + 1;
+#pragma GCC ivdep
+    for (int x = begin; x < end; ++x) {
+      const int key = static_cast<int>(found[x] & 0xFFFF);
+      const int place = key & (kWeight - 1);
+      const int lane = static_cast<int>(found[x] >> 16);
+      const int d = nearest - ((place >> 1) * 16 + 2 * lane + (place & 1));
+      const int high = x - farthest_left < nearest ? x - farthest_left : nearest;
+      const int low = x + farthest_right > lowest ? x + farthest_right : lowest;
+      disparity[x] = static_cast<std::int16_t>(d > low && d < high ? d : kUnknownDisparity);
+      best[x] = static_cast<std::uint16_t>(key >> kShift);
+      below[x] = static_cast<std::uint16_t>((beside[x] & 0xFFFF) >> kShift);
+      above[x] = static_cast<std::uint16_t>(beside[x] >> (16 + kShift));
+      second[x] = static_cast<std::uint16_t>(second[x] >> kShift);
     }
-    if (best_e <= first || best_e >= final) return;
-    job.out.disparity[x] = static_cast<std::int16_t>(last - best_e);
-    job.out.best[x] = static_cast<std::uint16_t>(best);
-    job.out.below[x] = static_cast<std::uint16_t>(masked[address(best_e + 1)] >> shift);
-    job.out.above[x] = static_cast<std::uint16_t>(masked[address(best_e - 1)] >> shift);
-    for (int e = best_e - 1; e <= best_e + 1; ++e) masked[address(e)] = 65535;
-    Reg m = V::load(masked);
-    for (int i = kLanes; i < padded; i += kLanes) m = V::min16(m, V::load(masked + i));
-    int lane = 0;
-    const int key = V::minimum(m, lane);
-    job.out.second[x] = static_cast<std::uint16_t>(key == 65535 ? key : key >> shift);
   }
 };
+
+template <typename V>
+void match_row_with(const MatchJob& job) {
+  constexpr int kVectorsIn32 = 32 / V::kBytes;
+  switch (padded_disparities(job.num_disparities) / 32) {
+    case 1:
+      return RowMatcher<V, kVectorsIn32>(job).run();
+    case 2:
+      return RowMatcher<V, 2 * kVectorsIn32>(job).run();
+    case 3:
+      return RowMatcher<V, 3 * kVectorsIn32>(job).run();
+    case 4:
+      return RowMatcher<V, 4 * kVectorsIn32>(job).run();
+    case 5:
+      return RowMatcher<V, 5 * kVectorsIn32>(job).run();
+    case 6:
+      return RowMatcher<V, 6 * kVectorsIn32>(job).run();
+    case 7:
+      return RowMatcher<V, 7 * kVectorsIn32>(job).run();
+    default:
+      return RowMatcher<V, 8 * kVectorsIn32>(job).run();
+  }
+}

@@ -27,45 +27,68 @@ void remap_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapPixel*
   }
 }
 
-void prefilter_row(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int width, int cap,
-                   int scale, int range, std::uint8_t* filtered, std::uint8_t* matching) {
-  for (int x = 0; x < width; ++x) {
-    int v = 0;
-    if (x > 0 && x + 1 < width) {
-      v = above[x + 1] - above[x - 1] + 2 * (row[x + 1] - row[x - 1]) + below[x + 1] - below[x - 1];
-      v = std::clamp(v, -cap, cap);
-    }
-    filtered[x] = static_cast<std::uint8_t>(v + cap);
-    matching[x] = static_cast<std::uint8_t>(((v * scale + (1 << 14)) >> 15) + range);
+int horizontal_gradient(const PrefilterRow& in, int x) {
+  if (x == 0 || x + 1 == in.width) return 0;
+  return in.above[x + 1] - in.above[x - 1] + 2 * (in.row[x + 1] - in.row[x - 1]) + in.below[x + 1] - in.below[x - 1];
+}
+
+int vertical_gradient(const PrefilterRow& in, int x) {
+  if (x == 0 || x + 1 == in.width) return 0;
+  return in.below[x - 1] - in.above[x - 1] + 2 * (in.below[x] - in.above[x]) + in.below[x + 1] - in.above[x + 1];
+}
+
+std::uint8_t matching_value(const Curve& curve, int gradient) {
+  const int size = std::abs(gradient);
+  int sum = 2048;
+  for (int i = 0; i < 3; ++i) sum += curve.slope[i] * std::min<int>(size, curve.knee[i]);
+  const int value = std::min(sum >> 12, curve.range);
+  return static_cast<std::uint8_t>(gradient < 0 ? curve.range - value : curve.range + value);
+}
+
+void prefilter_left(const PrefilterRow& in, Channels channels, int y, int cap, std::uint8_t* filtered,
+                    std::uint8_t* matching) {
+  for (int x = 0; x < in.width; ++x) {
+    const int horizontal = horizontal_gradient(in, x);
+    filtered[x] = static_cast<std::uint8_t>(std::clamp(horizontal, -cap, cap) + cap);
+    matching[x] = matching_value(in.curve, channel(channels, x, y) == 0 ? horizontal : vertical_gradient(in, x));
+  }
+}
+
+void prefilter_right(const PrefilterRow& in, std::uint8_t* horizontal, std::uint8_t* vertical) {
+  for (int x = 0; x < in.width; ++x) {
+    horizontal[x] = matching_value(in.curve, horizontal_gradient(in, x));
+    vertical[x] = matching_value(in.curve, vertical_gradient(in, x));
   }
 }
 
 int difference(const MatchJob& job, int x, int y, int d) {
   const int row = std::clamp(y, 0, job.height - 1);
-  return std::abs(job.left[row * job.stride + x] - job.right[row * job.stride + x - d]);
+  const std::uint8_t* right = job.right[channel(job.channels, x, row)];
+  return std::abs(job.left[row * job.stride + x] - right[row * job.stride + x - d]);
 }
 
 void match_row(const MatchJob& job) {
   const int r = job.window / 2;
+  const int rows = job.window_height / 2;
   const int n = job.num_disparities;
   const int last = job.min_disparity + n - 1;
-  // Column sums, [x][d]: built from the whole window, or moved down by one row.
+  // Column sums, [x][d]: built from all rows of the window, or moved down by one row.
   for (int x = 0; x < job.width; ++x) {
     for (int i = 0; i < n; ++i) {
       const int d = job.min_disparity + i;
       std::uint8_t& sum = job.columns[x * n + i];
       if (job.first) {
-        int total = 0;
-        for (int j = -r; j <= r; ++j) total += difference(job, x, job.y + j, d);
-        sum = static_cast<std::uint8_t>(total);
+        sum = 0;
+        for (int j = -rows; j <= rows; ++j) sum = static_cast<std::uint8_t>(sum + difference(job, x, job.y + j, d));
       } else {
-        sum = static_cast<std::uint8_t>(sum + difference(job, x, job.y + r, d) - difference(job, x, job.y - r - 1, d));
+        sum = static_cast<std::uint8_t>(sum + difference(job, x, job.y + rows, d) -
+                                        difference(job, x, job.y - rows - 1, d));
       }
     }
   }
   std::uint16_t* cost = job.costs;  // of the current pixel, [d]
   for (int x = 0; x < job.width; ++x) {
-    job.out.disparity[x] = kUnknownDisparity;
+    job.out.disparity()[x] = kUnknownDisparity;
     if (x < r || x >= job.width - r) continue;
     for (int i = 0; i < n; ++i) {
       int total = 0;
@@ -75,26 +98,51 @@ void match_row(const MatchJob& job) {
     // Both windows lie within their images.
     const int low = std::max(job.min_disparity, x + r - job.width + 1);
     const int high = std::min(last, x - r);
+    if (high - low < 2) continue;
+    // Equal costs: counted down from `last`, the first group of 16; in it an even place before an odd one; the first.
+    const auto rank = [last](int d) {
+      const int e = last - d;
+      return (e >> 4) * 16 + (e & 1) * 8 + ((e >> 1) & 7);
+    };
     int best = high;
-    for (int d = high; d >= low; --d) {  // of equal costs the nearer one
-      if (cost[d - job.min_disparity] < cost[best - job.min_disparity]) best = d;
+    for (int d = high; d >= low; --d) {
+      const int a = cost[d - job.min_disparity];
+      const int b = cost[best - job.min_disparity];
+      if (a < b || (a == b && rank(d) < rank(best))) best = d;
     }
-    if (best <= low || best >= high) continue;  // an end of the range is no minimum
+    if (best == low || best == high) continue;  // an end of the range is no minimum
     const std::uint16_t* c = cost + (best - job.min_disparity);
-    std::uint16_t second = 65535;
+    std::uint16_t second = static_cast<std::uint16_t>(65535 / key_weight(n));
     for (int d = low; d <= high; ++d) {
       if (std::abs(d - best) > 1) second = std::min(second, cost[d - job.min_disparity]);
     }
-    job.out.disparity[x] = static_cast<std::int16_t>(best);
-    job.out.best[x] = c[0];
-    job.out.below[x] = c[-1];
-    job.out.above[x] = c[1];
-    job.out.second[x] = second;
+    job.out.disparity()[x] = static_cast<std::int16_t>(best);
+    job.out.best()[x] = c[0];
+    job.out.below()[x] = c[-1];
+    job.out.above()[x] = c[1];
+    job.out.second()[x] = second;
+  }
+}
+
+void smooth_row(const SmoothRow& in, int width, std::int16_t* out) {
+  for (int x = 0; x < width; ++x) {
+    const int z = in.centre[x];
+    int sum = 0;
+    int count = 1;
+    for (int i = 0; i < in.neighbours; ++i) {
+      const int other = in.neighbour[i][x];
+      if (other == kUnknownDisparity || std::abs(other - z) > in.reach) continue;
+      sum += other - z;
+      ++count;
+    }
+    const int mean = (sum * in.scale * kReciprocals[count] + (1 << 14)) >> 15;
+    const int value = z * in.scale + mean;
+    out[x] = z == kUnknownDisparity ? kUnknownDisparity : static_cast<std::int16_t>((value + in.round) >> in.shift);
   }
 }
 
 }  // namespace
 
-const Table kReference{Isa::reference, remap_row, prefilter_row, match_row};
+const Table kReference{Isa::reference, remap_row, prefilter_left, prefilter_right, match_row, smooth_row};
 
 }  // namespace cliquevo::stereo::kernels
