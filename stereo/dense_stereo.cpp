@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stereo/dense_stereo.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "stereo/block_matcher.h"
 #include "stereo/prefilter.h"
 #include "stereo/smoothing.h"
 #include "stereo/speckles.h"
+#include "stereo/worker_pool.h"
 
 namespace cliquevo::stereo {
 
@@ -34,7 +37,8 @@ struct DenseStereo::Impl {
   int height = 0;
   const kernels::Table& kernel = kernels::active();
   MatchingPair pair;
-  StripMatcher strip;
+  std::vector<StripMatcher> strips;  // one a worker
+  std::unique_ptr<WorkerPool> pool;
   SpeckleFilter speckles;
   Smoother smoother;
 
@@ -83,7 +87,11 @@ Result<DenseStereo> DenseStereo::make(const StereoParams& params, int width, int
   impl->width = width;
   impl->height = height;
   impl->pair.prepare(width, height);
-  impl->strip.prepare(params, width);
+  // A strip lower than the window would sum more rows to begin with than it then moves through.
+  const int useful = std::clamp(height / params.window, 1, params.workers);
+  impl->strips.resize(static_cast<std::size_t>(useful));
+  for (StripMatcher& strip : impl->strips) strip.prepare(params, width);
+  impl->pool = std::make_unique<WorkerPool>(useful);
   impl->speckles.prepare(width, height);
   impl->smoother.prepare(width, params.smoothing);
   return DenseStereo(std::move(impl));
@@ -105,8 +113,15 @@ Result<void> DenseStereo::compute(ImageView<const std::uint8_t> left, ImageView<
   if (overlap(out[0], out[1])) {
     return Error{"cannot match", "the output views overlap", "give each image its own memory"};
   }
-  prefilter_rows(s.kernel, s.params, left, right, 0, s.height, filtered_left, s.pair);
-  s.strip.match(s.kernel, s.params, s.pair, filtered_left, 0, s.height, disparity);
+  const int workers = s.pool->workers();
+  const auto rows = [&](int worker) { return s.height * worker / workers; };  // first row of a worker's strip
+  s.pool->run([&](int worker) {
+    prefilter_rows(s.kernel, s.params, left, right, rows(worker), rows(worker + 1), filtered_left, s.pair);
+  });
+  s.pool->run([&](int worker) {
+    s.strips[static_cast<std::size_t>(worker)].match(s.kernel, s.params, s.pair, filtered_left, rows(worker),
+                                                     rows(worker + 1), disparity);
+  });
   if (s.params.speckle_size > 0) {
     s.speckles.remove(disparity, s.params.speckle_size, s.params.speckle_range * kDisparityScale);
   }

@@ -34,7 +34,11 @@ struct VisualOdometry::Impl {
         detector(model_, params_),
         tracker(model_, params_),
         estimator(model_, params_) {
-    for (int i = 0; i < 4; ++i) frames.emplace_back(std::make_unique<Frame>(params));
+    for (int i = 0; i < 4; ++i) {
+      frames.emplace_back(std::make_unique<Frame>(params));
+      frames.back()->left.resize(model.width, model.height);
+      frames.back()->right.resize(model.width, model.height);
+    }
   }
 
   Result<void> check(const FrameInput& input) const;

@@ -46,6 +46,30 @@ Scene slanted(int width, int height, double first, double last) {
   return s;
 }
 
+TEST(DenseStereo, SharesTheRowsOverWorkersWithoutAChangeInTheResult) {
+  const int w = 200;
+  const int h = 97;
+  const Scene s = slanted(w, h, 5.0, 30.0);
+  StereoParams p;
+  p.num_disparities = 48;
+  std::vector<std::int16_t> alone;
+  for (const int workers : {1, 2, 3, 7, 64}) {
+    p.workers = workers;
+    auto stereo = DenseStereo::make(p, w, h);
+    ASSERT_TRUE(stereo.ok());
+    Image<std::uint8_t> filtered(w, h);
+    Image<std::int16_t> disparity(w, h);
+    for (int again = 0; again < 20; ++again) {
+      disparity.fill(7);
+      ASSERT_TRUE(stereo->compute(s.left.view(), s.right.view(), filtered.view(), disparity.view()).ok());
+      std::vector<std::int16_t> found;
+      for (int y = 0; y < h; ++y) found.insert(found.end(), disparity.cview().row(y), disparity.cview().row(y) + w);
+      if (alone.empty()) alone = found;
+      ASSERT_EQ(found, alone) << workers << " workers, call " << again;
+    }
+  }
+}
+
 TEST(DenseStereo, FindsASlantedPlaneToAFractionOfAPixel) {
   const int w = 320;
   const int h = 120;

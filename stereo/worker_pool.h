@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Threads that share the rows of one image: started once, asleep between images, no lock and no allocation a call.
+#pragma once
+
+#include <atomic>
+#include <thread>
+#include <vector>
+
+namespace cliquevo::stereo {
+
+class WorkerPool {
+ public:
+  // workers: threads in all, the caller's included; 1 starts none.
+  explicit WorkerPool(int workers);
+  ~WorkerPool();
+  WorkerPool(const WorkerPool&) = delete;
+  WorkerPool& operator=(const WorkerPool&) = delete;
+
+  int workers() const { return static_cast<int>(threads_.size()) + 1; }
+
+  // Calls job(0) ... job(workers() - 1), one on each thread, and returns when all are done.
+  template <class Job>
+  void run(Job&& job) {
+    call_ = [](void* of, int index) { (*static_cast<std::remove_reference_t<Job>*>(of))(index); };
+    job_ = &job;
+    start_and_wait();
+  }
+
+ private:
+  void start_and_wait();
+  void work(int index);
+
+  void (*call_)(void*, int) = nullptr;
+  void* job_ = nullptr;
+  std::atomic<unsigned> round_{0};
+  std::atomic<int> pending_{0};
+  std::atomic<bool> stop_{false};
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace cliquevo::stereo
