@@ -17,15 +17,13 @@
 #include "core/vo/visual_odometry.h"
 #include "daemon/trajectory_file.h"
 #include "drivers/recording.h"
+#include "drivers/simulator.h"
 #include "stereo/dense_stereo.h"
 #include "stereo/rectify.h"
 #include "tests/bench/opencv_odometry.h"
 #include "tests/support/test_data.h"
 #include "tools/evaluation.h"
 #include "tools/exit_code.h"
-#ifdef CLIQUEVO_HAVE_SIMULATOR
-#include "drivers/simulator.h"
-#endif
 
 namespace {
 
@@ -49,15 +47,11 @@ struct Sequence {
 
 Result<std::unique_ptr<drivers::FrameSource>> open_source(const std::string& source) {
   if (source.rfind("sim:", 0) == 0) {
-#ifdef CLIQUEVO_HAVE_SIMULATOR
     const auto options = drivers::parse_simulator_options(source.substr(4));
     if (!options) return options.error();
     auto simulator = drivers::open_simulator(*options);
     if (!simulator) return simulator.error();
     return std::unique_ptr<drivers::FrameSource>(std::move(*simulator));
-#else
-    return Error{"no simulator in this build", source, "name a recording"};
-#endif
   }
   drivers::RecordingOptions options;
   options.path = source;
@@ -249,9 +243,7 @@ int main(int argc, char** argv) {
 
   cv::setNumThreads(1);
   if (sources.empty()) {
-#ifdef CLIQUEVO_HAVE_SIMULATOR
     sources.push_back(fmt::format("sim:frames={}", most));
-#endif
     for (const char* name : {"kitti_odometry_06", "kitti_raw"}) {
       if (test::have_data(name)) sources.push_back(test::data_dir() + "/" + name);
     }
