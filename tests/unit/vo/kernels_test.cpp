@@ -147,7 +147,7 @@ TEST_P(VoKernels, SumTheReferencesNormalEquationsToTheBit) {
 
 INSTANTIATE_TEST_SUITE_P(All, VoKernels, testing::ValuesIn([] {
                            std::vector<Isa> there;
-                           for (const Isa isa : {Isa::reference, Isa::sse4, Isa::avx2, Isa::neon}) {
+                           for (const Isa isa : {Isa::reference, Isa::sse4, Isa::avx2, Isa::avx512, Isa::neon}) {
                              if (kernels_for(isa) != nullptr) there.push_back(isa);
                            }
                            return there;
