@@ -11,7 +11,7 @@ const ShadeKernels& shade_kernels_reference() {
 
 const ShadeKernels& shade_kernels() {
 #ifdef CLIQUEVO_SIMULATOR_AVX2
-  if (active_isa() == Isa::avx2) return shade_kernels_avx2();
+  if (active_isa() == Isa::avx2 || active_isa() == Isa::avx512) return shade_kernels_avx2();
 #endif
   return shade_kernels_reference();
 }
