@@ -6,8 +6,8 @@ namespace cliquevo {
 
 enum class Isa { reference, sse4, avx2, neon, avx512 };
 
-// The best this machine has, or what the environment variable CLIQUEVO_ISA (reference, sse4, avx2, avx512, neon) forces; a
-// forced one that the machine lacks falls back to the reference. Decided once a process.
+// The best this machine has, or what the environment variable CLIQUEVO_ISA (reference, sse4, avx2, avx512, neon)
+// forces; a forced one that the machine lacks falls back to the reference. Decided once a process.
 Isa active_isa();
 // Whether the machine runs it (reference: always).
 bool isa_available(Isa isa);
