@@ -180,7 +180,7 @@ TEST(Config, WhatIsWrongIsNamedWithItsLine) {
       {"stereo:\n  windw: 9\n", "unknown key 'stereo.windw': FILE:2: did you mean 'window'?"},
       {"sterio:\n  window: 9\n", "unknown key 'sterio': FILE:1: did you mean 'stereo'?"},
       {"lcm:\n  nonsense_altogether: 9\n", "FILE:2: known keys are"},
-      {"stereo:\n  window: wide\n", "wrong value for 'stereo.window': FILE:2: give a whole number; the default is 9"},
+      {"stereo:\n  window: wide\n", "wrong value for 'stereo.window': FILE:2: give a whole number; the default is 13"},
       {"stereo:\n  window: 9.5\n", "FILE:2: give a whole number"},
       {"stereo:\n  window: 99999999999999\n", "FILE:2: give a whole number"},
       {"stereo:\n  window: [9]\n", "FILE:2: give a whole number"},
