@@ -244,7 +244,11 @@ struct RowMatcher {
     const int lowest = job.min_disparity;
     const int farthest_left = radius;
     const int farthest_right = radius - job.width + 1;
+#if defined(__clang__)
+#pragma clang loop vectorize(assume_safety)
+#else
 #pragma GCC ivdep
+#endif
     for (int x = begin; x < end; ++x) {
       const int key = static_cast<int>(found[x] & 0xFFFF);
       const int place = key & (kWeight - 1);
