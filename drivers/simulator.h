@@ -32,9 +32,14 @@ struct SimulatorOptions {
   std::int64_t every = 1;  // every k-th frame of the render
   // world
   std::uint64_t world_seed = 1;
-  int rocks = -1;       // -1 = the scene's own number
-  int movers = 0;       // independently moving objects
-  bool shadow = false;  // the robot's own shadow, moving with it
+  int rocks = -1;                 // -1 = the scene's own number
+  int movers = 0;                 // independently moving objects
+  bool shadow = false;            // the robot's own shadow, moving with it
+  std::string scene = "natural";  // natural; water: the ground's texture drifts; lorry: a mover fills most of the view
+  // what goes wrong: none, blank, noise (both images), frozen (right eye), covered (left eye), flare, night
+  std::string fault = "none";
+  std::int64_t fault_first = 0;    // frame of the render
+  std::int64_t fault_frames = -1;  // how many, -1 = to the end
   // sensor
   std::uint64_t noise_seed = 1;
   double noise_sigma = 2.0;  // grey levels, read noise

@@ -20,12 +20,13 @@ bool parse_number(std::string_view text, T& value) {
 }
 
 bool parse_value(std::string_view text, bool& value) {
-  if (text == "true" || text == "yes" || text == "on" || text == "1")
+  if (text == "true" || text == "yes" || text == "on" || text == "1") {
     value = true;
-  else if (text == "false" || text == "no" || text == "off" || text == "0")
+  } else if (text == "false" || text == "no" || text == "off" || text == "0") {
     value = false;
-  else
+  } else {
     return false;
+  }
   return true;
 }
 bool parse_value(std::string_view text, std::string& value) {
@@ -77,6 +78,10 @@ constexpr Key kKeys[] = {
     CLIQUEVO_OPTION(rocks, "how many rocks, stones and posts: 100 = the scene's own number, -1 the same"),
     CLIQUEVO_OPTION(movers, "number of boxes that drive about"),
     CLIQUEVO_OPTION(shadow, "the robot's own shadow"),
+    CLIQUEVO_OPTION(scene, "natural, water (drifting texture), lorry (a mover fills most of the view)"),
+    CLIQUEVO_OPTION(fault, "none, blank, noise, frozen, covered, flare, night"),
+    CLIQUEVO_OPTION(fault_first, "frame at which the fault begins"),
+    CLIQUEVO_OPTION(fault_frames, "how many frames it lasts, -1 = to the end"),
     CLIQUEVO_OPTION(noise_seed, "other noise over the same render"),
     CLIQUEVO_OPTION(noise_sigma, "read noise, grey levels"),
     CLIQUEVO_OPTION(shot_noise, "noise that grows with the light"),
@@ -88,9 +93,18 @@ constexpr Key kKeys[] = {
 };
 #undef CLIQUEVO_OPTION
 
+constexpr const char* kScenes[] = {"natural", "water", "lorry"};
+constexpr const char* kFaults[] = {"none", "blank", "noise", "frozen", "covered", "flare", "night"};
 constexpr const char* kCourses[] = {"wheeled", "walking", "standing", "straight", "turn"};
 
 Error bad(const std::string& where, const std::string& remedy) { return {"bad simulator option", where, remedy}; }
+
+template <std::size_t kCount>
+Result<void> one_of(const char* name, const std::string& value, const char* const (&known)[kCount]) {
+  for (const char* k : known)
+    if (value == k) return {};
+  return bad(fmt::format("{} = {}", name, value), fmt::format("use one of {}", fmt::join(known, ", ")));
+}
 
 }  // namespace
 
@@ -116,6 +130,8 @@ Result<void> SimulatorOptions::check() const {
       {"every", static_cast<double>(every), 1, 1000},
       {"rocks", static_cast<double>(rocks), -1, 1000},
       {"movers", static_cast<double>(movers), 0, 50},
+      {"fault_first", static_cast<double>(fault_first), 0, 1e6},
+      {"fault_frames", static_cast<double>(fault_frames), -1, 1e6},
       {"noise_sigma", noise_sigma, 0.0, 100.0},
       {"cache_limit_gb", cache_limit_gb, 0.0, 1e5},
       {"workers", static_cast<double>(workers), 0, 256},
@@ -124,17 +140,19 @@ Result<void> SimulatorOptions::check() const {
     if (!in(r.value, r.low, r.high))
       return bad(fmt::format("{} = {}", r.name, r.value), fmt::format("use a value from {} to {}", r.low, r.high));
   }
-  bool known = false;
-  for (const char* c : kCourses) known = known || course == c;
-  if (!known) return bad("course = " + course, fmt::format("use one of {}", fmt::join(kCourses, ", ")));
-  if (course == "straight" && step_m * static_cast<double>(frames) > 5000.0)
+  if (auto ok = one_of("course", course, kCourses); !ok) return ok;
+  if (auto ok = one_of("scene", scene, kScenes); !ok) return ok;
+  if (auto ok = one_of("fault", fault, kFaults); !ok) return ok;
+  if (course == "straight" && step_m * static_cast<double>(frames) > 5000.0) {
     return bad(fmt::format("straight course of {} m", step_m * static_cast<double>(frames)),
                "use at most 5000 m, or the wheeled course, which has no end");
+  }
   // The lens of the raw pair is monotonic up to there.
-  if (raw && focal_px < 0.7 * std::hypot(width, height))
+  if (raw && focal_px < 0.7 * std::hypot(width, height)) {
     return bad(fmt::format("focal_px = {} with raw", focal_px),
                fmt::format("use at least {:.0f}: the raw lens does not reach further out",
                            std::ceil(0.7 * std::hypot(width, height))));
+  }
   return {};
 }
 

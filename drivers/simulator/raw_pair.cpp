@@ -78,9 +78,10 @@ const std::vector<std::array<float, 5>>& kernel_weights(int fractions) {
     std::vector<std::array<float, 5>> table(static_cast<std::size_t>(fractions));
     for (int i = 0; i < fractions; ++i) {
       // The first tap lies between 2.5 and 1.5 before the place.
-      for (int k = 0; k < 5; ++k)
+      for (int k = 0; k < 5; ++k) {
         table[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)] =
             static_cast<float>(kernel(k - 1.5 - (i + 0.5) / fractions));
+      }
     }
     return table;
   }();

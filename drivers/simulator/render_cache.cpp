@@ -154,6 +154,7 @@ std::string render_key(const SimulatorOptions& o) {
   add("rocks", o.rocks);
   add("movers", o.movers);
   add("shadow", o.shadow);
+  add("scene", o.scene);
   add("motion_blur", o.motion_blur);
   return key;
 }
@@ -201,8 +202,7 @@ bool RenderCache::load(std::int64_t frame, CleanPair& pair) const {
 void RenderCache::store(std::int64_t frame, const CleanPair& pair) const {
   if (!enabled()) return;
   const std::size_t each = packed_size(width_, height_);
-  static std::atomic<std::int64_t> written{0};
-  if (written.load() + static_cast<std::int64_t>(2 * each) > room_bytes_) return;
+  if (written_.load() + static_cast<std::int64_t>(2 * each) > room_bytes_) return;
   std::vector<std::uint8_t> data(2 * each);
   pack(pair.left, data.data());
   pack(pair.right, data.data() + each);
@@ -224,7 +224,7 @@ void RenderCache::store(std::int64_t frame, const CleanPair& pair) const {
            std::fwrite(data.data(), 1, data.size(), file.get()) == data.size() && std::fflush(file.get()) == 0;
   }
   if (good && std::rename(temporary.c_str(), target.c_str()) == 0) {
-    written += static_cast<std::int64_t>(2 * each);
+    written_ += static_cast<std::int64_t>(2 * each);
   } else {
     std::remove(temporary.c_str());
   }

@@ -2,6 +2,7 @@
 // Noise-free renders on disk, one file a pair: 12 bits a pixel, packed, with a checksum.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <string>
 
@@ -31,6 +32,7 @@ class RenderCache {
   std::string folder_;
   int width_, height_;
   std::int64_t room_bytes_ = 0;
+  mutable std::atomic<std::int64_t> written_{0};
 };
 
 }  // namespace cliquevo::drivers::sim

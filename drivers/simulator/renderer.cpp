@@ -33,7 +33,7 @@ constexpr double kExposureS = 0.003;
 constexpr double kGravelTexelM = 0.0019;
 constexpr double kGrassTexelM = 0.0024;
 
-GroundLayer layer(const Tile& tile, double texel_m, double angle, const Eigen::Vector3d& camera) {
+GroundLayer layer(const Tile& tile, double texel_m, double angle, const Eigen::Vector2d& camera) {
   const double c = std::cos(angle) / texel_m;
   const double s = std::sin(angle) / texel_m;
   const auto wrapped = [](double v) { return static_cast<float>(v - Tile::kSize * std::floor(v / Tile::kSize)); };
@@ -56,7 +56,8 @@ void to_float(const Eigen::Vector3d& v, float (&out)[3]) {
 // Grey levels of ground and sky for one pass.
 class Shader {
  public:
-  Shader(const View& v, const Ground& g) : width_(v.width) {
+  Shader(const View& v, const Ground& g, const ShadeKernels& kernels, const Eigen::Vector2d& drift_m)
+      : kernels_(kernels), width_(v.width) {
     const Textures& t = textures();
     to_float(v.ray_start(), ground_.start);
     to_float(v.ray_per_column(), ground_.per_column);
@@ -65,8 +66,8 @@ class Shader {
     std::copy_n(ground_.per_column, 3, sky_.per_column);
     std::copy_n(ground_.per_row, 3, sky_.per_row);
     sky_.quads = t.sky.quads.data();
-    ground_.gravel = layer(t.gravel, kGravelTexelM, 0.3, v.center);
-    ground_.grass = layer(t.grass, kGrassTexelM, 1.1, v.center);
+    ground_.gravel = layer(t.gravel, kGravelTexelM, 0.3, v.center.head<2>() + drift_m);
+    ground_.grass = layer(t.grass, kGrassTexelM, 1.1, v.center.head<2>() - 0.7 * drift_m);
     ground_.brightness = g.brightness.data();
     ground_.grassiness = g.grassiness.data();
     ground_.grid_columns = g.columns;
@@ -80,7 +81,6 @@ class Shader {
   }
 
   void add_row(const Pass& pass, int j, float* sum) const {
-    const ShadeKernels& kernels = shade_kernels();
     alignas(64) float on_ground[kShadeBlock] = {};
     alignas(64) float in_sky[kShadeBlock] = {};
     const float* w = pass.inverse_depth.row(j);
@@ -97,11 +97,11 @@ class Shader {
         sky_pixels += open & (1 - hit);
       }
       if (ground_pixels > 0) {
-        kernels.ground(ground_, w, pass.inverse_depth.row(j - 1), pass.inverse_depth.row(j + 1), j, begin, on_ground);
+        kernels_.ground(ground_, w, pass.inverse_depth.row(j - 1), pass.inverse_depth.row(j + 1), j, begin, on_ground);
         if (light != nullptr)
           for (int i = 0; i < n; ++i) on_ground[i] *= light[begin + i];
       }
-      if (sky_pixels > 0) kernels.sky(sky_, j, begin, in_sky);
+      if (sky_pixels > 0) kernels_.sky(sky_, j, begin, in_sky);
       for (int i = 0; i < n; ++i) {
         const float own = grey[begin + i];
         const float behind = w[begin + i] > 0.0F ? on_ground[i] : in_sky[i];
@@ -111,6 +111,7 @@ class Shader {
   }
 
  private:
+  const ShadeKernels& kernels_;
   int width_;
   GroundShading ground_{};
   SkyShading sky_{};
@@ -118,8 +119,13 @@ class Shader {
 
 }  // namespace
 
-Renderer::Renderer(const SimulatorOptions& options, const Course& course, const World& world)
-    : options_(options), course_(course), world_(world), calibration_(simulated_calibration(options)) {
+Renderer::Renderer(const SimulatorOptions& options, const Course& course, const World& world,
+                   const ShadeKernels& kernels)
+    : options_(options),
+      course_(course),
+      world_(world),
+      kernels_(kernels),
+      calibration_(simulated_calibration(options)) {
   if (!options.raw) return;
   raw_.emplace_back(calibration_.left);
   raw_.emplace_back(calibration_.right);
@@ -229,13 +235,16 @@ void Renderer::render(std::int64_t frame, RenderScratch& scratch, CleanPair& out
     const double when = static_cast<double>(frame) + exposure * samples[k].time;
     const RigidTransform pose = course_.T_world_camera(when);
     collect(pose, when, scratch, visible);
+    // Water: both textures run over the ground, each its own way.
+    Eigen::Vector2d drift_m = Eigen::Vector2d::Zero();
+    if (options_.scene == "water") drift_m = Eigen::Vector2d(0.9, 0.5) * (when / options_.rate_hz);
     const std::vector<Patch> dark = patches(pose, visible);
     for (int eye = 0; eye < 2; ++eye) {
       View v = raw ? raw_view(pose, eye) : view(pose, eye);
       v.offset_x = samples[k].x;
       v.offset_y = samples[k].y;
       cast(v, visible, dark, scratch.raster, scratch.passes[eye][k]);
-      shaders[eye].emplace_back(v, world_.ground());
+      shaders[eye].emplace_back(v, world_.ground(), kernels_, drift_m);
     }
   }
   // Row by row through all passes of both eyes: they see the same strip of ground, whose texels stay in the cache.

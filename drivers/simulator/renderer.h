@@ -9,6 +9,7 @@
 #include "drivers/simulator/course.h"
 #include "drivers/simulator/raster.h"
 #include "drivers/simulator/raw_pair.h"
+#include "drivers/simulator/shade.h"
 #include "drivers/simulator/world.h"
 
 namespace cliquevo::drivers::sim {
@@ -17,7 +18,7 @@ namespace cliquevo::drivers::sim {
 inline constexpr int kGreyScale = 16;
 inline constexpr int kGreyMax = 4095;
 // Raised whenever the same options give other images: old caches are then left alone.
-inline constexpr int kRenderVersion = 3;
+inline constexpr int kRenderVersion = 4;
 
 struct CleanPair {
   Image<std::uint16_t> left, right;
@@ -42,7 +43,8 @@ struct RenderScratch {
 
 class Renderer {
  public:
-  Renderer(const SimulatorOptions& options, const Course& course, const World& world);
+  Renderer(const SimulatorOptions& options, const Course& course, const World& world,
+           const ShadeKernels& kernels = shade_kernels());
 
   // Safe from several threads, each with its scratch.
   void render(std::int64_t frame, RenderScratch& scratch, CleanPair& out) const;
@@ -70,6 +72,7 @@ class Renderer {
   const SimulatorOptions& options_;
   const Course& course_;
   const World& world_;
+  const ShadeKernels& kernels_;
   StereoCalibration calibration_;
   std::vector<RawEye> raw_;  // both eyes; empty for a rectified pair
 };

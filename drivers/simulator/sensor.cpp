@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "drivers/simulator/fault.h"
 #include "drivers/simulator/hash.h"
 #include "drivers/simulator/renderer.h"
 
@@ -61,7 +62,7 @@ void expose(const SimulatorOptions& o, std::int64_t frame, int eye, ImageView<co
             Image<std::uint8_t>& out) {
   static const std::vector<float> kNormal = normal_table();
   out.resize(clean.width, clean.height);
-  const auto gain = static_cast<float>(exposure_gain(o, frame) / kGreyScale);
+  const auto gain = static_cast<float>(exposure_gain(o, frame) * fault_gain(o, frame) / kGreyScale);
   // Deviation by grey level, in steps of 1/4.
   std::array<float, 1025> deviation{};
   for (std::size_t i = 0; i < deviation.size(); ++i) {

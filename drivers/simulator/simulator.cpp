@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include "drivers/simulator/course.h"
+#include "drivers/simulator/fault.h"
 #include "drivers/simulator/raw_pair.h"
 #include "drivers/simulator/render_cache.h"
 #include "drivers/simulator/renderer.h"
@@ -33,7 +34,7 @@ class RenderedSimulator : public Simulator {
       : options_(options),
         course_(options_),
         cache_(options_),
-        same_every_frame_(course_.still() && options.movers == 0) {
+        same_every_frame_(course_.still() && options.movers == 0 && options.scene == "natural") {
     info_.width = options_.width;
     info_.height = options_.height;
     info_.rate_hz = options_.rate_hz / static_cast<double>(options_.every);
@@ -137,7 +138,15 @@ class RenderedSimulator : public Simulator {
     pair.stamp_ns =
         kEpochNs + static_cast<TimestampNs>(std::llround(static_cast<double>(frame) * 1e9 / options_.rate_hz));
     expose(options_, frame, 0, clean.left.view(), pair.left);
-    expose(options_, frame, 1, clean.right.view(), pair.right);
+    const std::int64_t right_frame = delivered_frame(options_, frame, 1);
+    if (right_frame != frame && !same_every_frame_) {
+      if (frozen_.right.empty()) produce(right_frame, own_scratch_, frozen_);
+      expose(options_, right_frame, 1, frozen_.right.view(), pair.right);
+    } else {
+      expose(options_, right_frame, 1, clean.right.view(), pair.right);
+    }
+    apply_fault(options_, frame, 0, pair.left);
+    apply_fault(options_, frame, 1, pair.right);
     pair.truth_T_world_camera =
         frame == 0 ? RigidTransform{} : T_first_world_ * course_.T_world_camera(static_cast<double>(frame));
   }
@@ -165,6 +174,7 @@ class RenderedSimulator : public Simulator {
 
   mutable RenderScratch own_scratch_;
   CleanPair still_;
+  mutable CleanPair frozen_;
   mutable Image<float> truth_;
   mutable std::int64_t truth_of_ = -1;
 

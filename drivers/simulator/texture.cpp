@@ -163,7 +163,7 @@ Tile make_tile(Canvas canvas) {
   for (int level = 0;; ++level) {
     std::vector<std::uint8_t> bytes(canvas.size());
     std::transform(canvas.begin(), canvas.end(), bytes.begin(),
-                   [](float v) { return static_cast<std::uint8_t>(v + 0.5F); });
+                   [](float v) { return static_cast<std::uint8_t>(byte(v)); });
     const int mask = size - 1;
     for (int y = 0; y < size; ++y) {
       const std::uint8_t* a = &bytes[static_cast<std::size_t>(y) * size];
@@ -195,7 +195,8 @@ Tile make_gravel() {
   Random random(0x67a7e1);
   const double area = static_cast<double>(Tile::kSize) * Tile::kSize;
   for (int layer = 0; layer < 2; ++layer) {
-    for (double radius = 48.0; radius > 1.4; radius /= 1.41421356) {
+    for (int size = 0; size < 11; ++size) {  // down by a factor of sqrt(2) each
+      const double radius = 48.0 * std::pow(2.0, -0.5 * size);
       const auto count = static_cast<int>(0.10 * area / (kPi * radius * radius));
       for (int i = 0; i < count; ++i) {
         Leaf leaf{};
@@ -224,7 +225,8 @@ Tile make_grass() {
   const Canvas ground = canvas;
   Random random(0x96a55);
   const double area = static_cast<double>(Tile::kSize) * Tile::kSize;
-  for (double length = 40.0; length > 5.0; length /= 1.41421356) {
+  for (int size = 0; size < 7; ++size) {
+    const double length = 40.0 * std::pow(2.0, -0.5 * size);
     const double width = std::max(1.0, length / 14.0);
     const auto count = static_cast<int>(0.22 * area / (kPi * length * width));
     for (int i = 0; i < count; ++i) {
@@ -255,15 +257,16 @@ SolidTexture make_stone() {
     const int m = n / cell;
     const float amplitude = std::pow(static_cast<float>(cell) / 16.0F, 0.35F);
     const auto lattice = [&](int x, int y, int z) {
-      const auto key = static_cast<std::int64_t>((z % m * m + y % m) * m + x % m);
+      const auto key = (static_cast<std::int64_t>(z % m) * m + y % m) * m + x % m;
       return amplitude * static_cast<float>(2.0 * to_unit(hash_cell(900 + cell, key, cell)) - 1.0);
     };
     std::vector<float> values(static_cast<std::size_t>(m) * m * m);
-    for (int z = 0; z < m; ++z)
+    for (int z = 0; z < m; ++z) {
       for (int y = 0; y < m; ++y)
-        for (int x = 0; x < m; ++x) values[static_cast<std::size_t>((z * m + y) * m + x)] = lattice(x, y, z);
+        for (int x = 0; x < m; ++x) values[(static_cast<std::size_t>(z) * m + y) * m + x] = lattice(x, y, z);
+    }
     const auto at = [&](int x, int y, int z) {
-      return values[static_cast<std::size_t>((z % m * m + y % m) * m + x % m)];
+      return values[(static_cast<std::size_t>(z % m) * m + y % m) * m + x % m];
     };
     for (int z = 0; z < n; ++z) {
       const float tz = static_cast<float>(z % cell) / static_cast<float>(cell);
@@ -297,11 +300,14 @@ SolidTexture make_stone() {
     if (level == SolidTexture::kLastLevel) break;
     const int half = size / 2;
     Canvas next(static_cast<std::size_t>(half) * half * half, 0.0F);
-    for (int z = 0; z < size; ++z)
-      for (int y = 0; y < size; ++y)
-        for (int x = 0; x < size; ++x)
+    for (int z = 0; z < size; ++z) {
+      for (int y = 0; y < size; ++y) {
+        for (int x = 0; x < size; ++x) {
           next[(static_cast<std::size_t>(z / 2) * half + y / 2) * half + x / 2] +=
               0.125F * volume[(static_cast<std::size_t>(z) * size + y) * size + x];
+        }
+      }
+    }
     volume = std::move(next);
     size = half;
   }

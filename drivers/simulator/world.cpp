@@ -22,8 +22,9 @@ struct Bounds {
 Bounds course_bounds(const Course& course) {
   Bounds b{course.position(0.0), course.position(0.0)};
   const double length = std::min(course.length_m(), course.lap_m());
-  for (double s = 0.0; s <= length + 0.5; s += 0.5) {
-    const Eigen::Vector2d p = course.position(s);
+  const int steps = static_cast<int>(length / 0.5) + 1;
+  for (int k = 0; k <= steps; ++k) {
+    const Eigen::Vector2d p = course.position(0.5 * k);
     b.low = b.low.cwiseMin(p);
     b.high = b.high.cwiseMax(p);
   }
@@ -46,8 +47,9 @@ class CourseDistance {
       from = -kMarginM;
       to = course.length_m() + kMarginM;
     }
-    for (double s = from; s < to; s += 0.25) {
-      const Eigen::Vector2d p = course.position(s);
+    const int steps = static_cast<int>(std::ceil((to - from) / 0.25));
+    for (int k = 0; k < steps; ++k) {
+      const Eigen::Vector2d p = course.position(from + 0.25 * k);
       const auto x = static_cast<int>(std::floor((p.x() - low_.x()) / kBinM));
       const auto y = static_cast<int>(std::floor((p.y() - low_.y()) / kBinM));
       if (x >= 0 && y >= 0 && x < columns_ && y < rows_) bins_[static_cast<std::size_t>(y) * columns_ + x].push_back(p);
@@ -59,10 +61,12 @@ class CourseDistance {
     const auto x1 = static_cast<int>(std::floor((x + reach - low_.x()) / kBinM));
     const auto y0 = static_cast<int>(std::floor((y - reach - low_.y()) / kBinM));
     const auto y1 = static_cast<int>(std::floor((y + reach - low_.y()) / kBinM));
-    for (int j = std::max(y0, 0); j <= std::min(y1, rows_ - 1); ++j)
-      for (int i = std::max(x0, 0); i <= std::min(x1, columns_ - 1); ++i)
+    for (int j = std::max(y0, 0); j <= std::min(y1, rows_ - 1); ++j) {
+      for (int i = std::max(x0, 0); i <= std::min(x1, columns_ - 1); ++i) {
         for (const Eigen::Vector2d& p : bins_[static_cast<std::size_t>(j) * columns_ + i])
           best = std::min(best, (p - Eigen::Vector2d(x, y)).squaredNorm());
+      }
+    }
     return std::sqrt(best);
   }
 
@@ -104,10 +108,12 @@ void World::make_ground() {
   g.rows = static_cast<int>(std::ceil((b.high.y() + kMarginM) / cell) - g.first_j) + 1;
   const std::size_t count = static_cast<std::size_t>(g.columns) * g.rows;
   g.height.resize(count);
-  for (int j = 0; j < g.rows; ++j)
-    for (int i = 0; i < g.columns; ++i)
+  for (int j = 0; j < g.rows; ++j) {
+    for (int i = 0; i < g.columns; ++i) {
       g.height[static_cast<std::size_t>(j) * g.columns + i] =
           static_cast<float>(course_.terrain().height((i + g.first_i) * cell, (j + g.first_j) * cell));
+    }
+  }
 
   std::vector<double> brightness(count);
   std::vector<double> grass(count);
@@ -252,7 +258,7 @@ void World::make_solids() {
   for (std::size_t n = 0; n < solids_.size(); ++n) {
     const auto x = static_cast<int>(std::floor(solids_[n].center.x() / kBinM)) - bin_first_x_;
     const auto y = static_cast<int>(std::floor(solids_[n].center.y() / kBinM)) - bin_first_y_;
-    bins_[static_cast<std::size_t>(y * bin_columns_ + x)].push_back(static_cast<int>(n));
+    bins_[static_cast<std::size_t>(y) * bin_columns_ + x].push_back(static_cast<int>(n));
   }
 }
 
@@ -264,13 +270,44 @@ void World::near(double x, double y, double range_m, std::vector<int>& indices) 
   const auto high = [&](double v, int first, int count) {
     return std::min<int>(static_cast<int>(std::floor((v + range_m) / kBinM)) - first, count - 1);
   };
-  for (int j = low(y, bin_first_y_); j <= high(y, bin_first_y_, bin_rows_); ++j)
+  for (int j = low(y, bin_first_y_); j <= high(y, bin_first_y_, bin_rows_); ++j) {
     for (int i = low(x, bin_first_x_); i <= high(x, bin_first_x_, bin_columns_); ++i)
-      for (const int n : bins_[static_cast<std::size_t>(j * bin_columns_ + i)]) indices.push_back(n);
+      for (const int n : bins_[static_cast<std::size_t>(j) * bin_columns_ + i]) indices.push_back(n);
+  }
+}
+
+Solid World::box(const Eigen::Vector2d& place, double yaw, const Eigen::Vector3d& half_size) const {
+  Solid b;
+  b.half_size = half_size;
+  b.R_world_local = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+  b.ground_m = course_.terrain().height(place.x(), place.y());
+  b.center = {place.x(), place.y(), b.ground_m + half_size.z() + 0.03};
+  b.planes = 6;
+  for (int k = 0; k < 6; ++k) {
+    b.normal[static_cast<std::size_t>(k)] = (k % 2 == 0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(k / 2);
+    b.distance[static_cast<std::size_t>(k)] = half_size[k / 2];
+  }
+  b.foot_radius_m = 0.8 * std::max(half_size.x(), half_size.y());
+  b.top_m = 2.0 * half_size.z();
+  return b;
+}
+
+// Just ahead, swaying and keeping no constant distance: most of the view moves otherwise than the world.
+Solid World::lorry(double frame) const {
+  const double s = (course_.moves() ? options_.step_m * frame : 0.0) + 3.9 + 0.4 * std::sin(0.05 * frame);
+  const double psi = course_.heading(s);
+  const double side = 0.35 * std::sin(0.037 * frame);
+  const Eigen::Vector2d place = course_.position(s) + side * Eigen::Vector2d(-std::sin(psi), std::cos(psi));
+  Solid b = box(place, psi + 0.1 * std::sin(0.043 * frame), {0.9, 1.5, 0.9});
+  b.albedo = 210.0F;
+  b.contrast = 0.4F;
+  b.texel_m = 0.012;
+  return b;
 }
 
 std::vector<Solid> World::movers(double frame) const {
   std::vector<Solid> out;
+  if (options_.scene == "lorry") out.push_back(lorry(frame));
   for (int m = 0; m < options_.movers; ++m) {
     Random random(hash_cell(mix64(options_.world_seed ^ 0x6d6f766572ULL), m, 0));
     // Ahead of the camera, crossing and coming back: a box of the size of a barrow or a small car.
@@ -284,23 +321,12 @@ std::vector<Solid> World::movers(double frame) const {
     const double psi = course_.heading(s);
     const double side = sway * std::sin(rate * frame + phase) + random.uniform(-1.0, 1.0);
     const Eigen::Vector2d q = p + side * Eigen::Vector2d(-std::sin(psi), std::cos(psi));
-    Solid b;
-    b.half_size = {random.uniform(0.25, 0.6), random.uniform(0.2, 0.4), random.uniform(0.2, 0.5)};
-    const double yaw = psi + 0.8 * std::cos(rate * frame + phase);
-    b.R_world_local = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix();
-    b.ground_m = course_.terrain().height(q.x(), q.y());
-    b.center = {q.x(), q.y(), b.ground_m + b.half_size.z() + 0.03};
-    b.planes = 6;
-    for (int k = 0; k < 6; ++k) {
-      b.normal[k] = (k % 2 == 0 ? 1.0 : -1.0) * Eigen::Vector3d::Unit(k / 2);
-      b.distance[k] = b.half_size[k / 2];
-    }
+    const Eigen::Vector3d half_size(random.uniform(0.25, 0.6), random.uniform(0.2, 0.4), random.uniform(0.2, 0.5));
+    Solid b = box(q, psi + 0.8 * std::cos(rate * frame + phase), half_size);
     b.albedo = static_cast<float>(random.uniform(90.0, 150.0));
     b.contrast = 0.5F;
     b.texel_m = 0.012;
     b.texture_offset = {random.uniform(0.0, 64.0), random.uniform(0.0, 64.0), random.uniform(0.0, 64.0)};
-    b.foot_radius_m = 0.8 * std::max(b.half_size.x(), b.half_size.y());
-    b.top_m = 2.0 * b.half_size.z();
     out.push_back(b);
   }
   return out;

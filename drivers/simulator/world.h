@@ -77,6 +77,8 @@ class World {
   void make_ground();
   void make_solids();
   void add_rock(double x, double y, double radius, std::uint64_t seed);
+  Solid box(const Eigen::Vector2d& place, double yaw, const Eigen::Vector3d& half_size) const;
+  Solid lorry(double frame) const;
   void add_post(double x, double y, std::uint64_t seed);
 
   SimulatorOptions options_;

@@ -62,10 +62,11 @@ TEST_P(SimulatedRecordingTest, ReadsBackAsTheSamePairsAndCalibration) {
   for (int y = 0; y < 120; ++y) {
     for (int x = 0; x < 160; ++x) {
       const float d = disparity(x, y);
-      if (d == d)
+      if (d == d) {
         EXPECT_NEAR(file.at<std::uint16_t>(y, x) / 256.0, static_cast<double>(d), 0.002);
-      else
+      } else {
         EXPECT_EQ(file.at<std::uint16_t>(y, x), 0);
+      }
     }
   }
   std::ifstream poses(folder + "/poses.txt");

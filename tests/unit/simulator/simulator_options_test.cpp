@@ -35,9 +35,9 @@ TEST(SimulatorOptions, UnknownKeyIsNamedWithThoseThatExist) {
 }
 
 TEST(SimulatorOptions, BadValuesAreNamed) {
-  for (const char* text :
-       {"frames=many", "frames=0", "frames", "course=flying", "width=3", "noise_sigma=nan", "rate_hz=0",
-        "misalign_right_deg=1:2", "shadow=perhaps", "every=-1", "baseline_m=1e9", "frames=12x"}) {
+  for (const char* text : {"frames=many", "frames=0", "frames", "course=flying", "scene=moon", "fault=all",
+                           "fault_frames=-2", "width=3", "noise_sigma=nan", "rate_hz=0", "misalign_right_deg=1:2",
+                           "shadow=perhaps", "every=-1", "baseline_m=1e9", "frames=12x"}) {
     const auto o = parse_simulator_options(text);
     ASSERT_FALSE(o.ok()) << text;
     const std::string key = std::string(text).substr(0, std::string(text).find('='));

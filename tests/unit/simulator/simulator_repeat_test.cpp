@@ -7,7 +7,12 @@
 
 #include <gtest/gtest.h>
 
+#include "core/base/isa.h"
 #include "drivers/simulator.h"
+#include "drivers/simulator/course.h"
+#include "drivers/simulator/renderer.h"
+#include "drivers/simulator/shade.h"
+#include "drivers/simulator/world.h"
 #include "tests/support/test_data.h"
 
 namespace cliquevo::drivers {
@@ -33,9 +38,10 @@ Frames run(const SimulatorOptions& options) {
     const auto more = source.value()->next(pair);
     EXPECT_TRUE(more.ok());
     if (!*more) break;
-    for (const auto* image : {&pair.left, &pair.right})
+    for (const auto* image : {&pair.left, &pair.right}) {
       for (int y = 0; y < image->height(); ++y)
         r.pixels.insert(r.pixels.end(), image->view().row(y), image->view().row(y) + image->width());
+    }
     r.stamps.push_back(pair.stamp_ns);
   }
   return r;
@@ -47,6 +53,27 @@ TEST(Simulator, SameSeedsGiveTheSameBytesWhateverTheWorkers) {
   EXPECT_EQ(one.pixels.size(), 5U * 2U * 128U * 96U);
   EXPECT_EQ(one.pixels, three.pixels);
   EXPECT_EQ(one.stamps, three.stamps);
+}
+
+TEST(Simulator, ShadingKernelsOfEveryInstructionSetGiveTheSameBits) {
+#ifdef CLIQUEVO_SIMULATOR_AVX2
+  if (!isa_available(Isa::avx2)) GTEST_SKIP() << "this machine has no AVX2";
+  const SimulatorOptions options = small("");
+  const sim::Course course(options);
+  const sim::World world(options, course);
+  std::vector<sim::CleanPair> pairs(2);
+  sim::RenderScratch scratch;
+  const sim::Renderer plain(options, course, world, sim::shade_kernels_reference());
+  const sim::Renderer vector(options, course, world, sim::shade_kernels_avx2());
+  plain.render(3, scratch, pairs[0]);
+  vector.render(3, scratch, pairs[1]);
+  for (int y = 0; y < options.height; ++y) {
+    ASSERT_EQ(std::memcmp(pairs[0].left.view().row(y), pairs[1].left.view().row(y), 2U * 128U), 0) << y;
+    ASSERT_EQ(std::memcmp(pairs[0].right.view().row(y), pairs[1].right.view().row(y), 2U * 128U), 0) << y;
+  }
+#else
+  GTEST_SKIP() << "one set of kernels on this machine";
+#endif
 }
 
 TEST(Simulator, SeedsChangeNoiseAndWorld) {
@@ -88,6 +115,30 @@ TEST(Simulator, CachedFramesAreTheRenderedOnesAndTornFilesAreRenderedAgain) {
   broken.write("torn", 4);
   broken.close();
   EXPECT_EQ(run(options).pixels, fresh.pixels);
+}
+
+TEST(Simulator, AFaultTouchesItsFramesAndNoOthers) {
+  const Frames good = run(small(""));
+  const std::size_t image = 128U * 96U;
+  for (const char* fault : {"blank", "noise", "frozen", "covered", "flare", "night"}) {
+    const Frames bad = run(small(std::string("fault_first=2,fault_frames=2,fault=") + fault));
+    ASSERT_EQ(bad.pixels.size(), good.pixels.size());
+    for (std::size_t k = 0; k < 5; ++k) {
+      const bool same =
+          std::memcmp(good.pixels.data() + 2 * k * image, bad.pixels.data() + 2 * k * image, 2 * image) == 0;
+      EXPECT_EQ(same, k < 2 || k > 3) << fault << " frame " << k;
+    }
+    if (std::string(fault) == "frozen") {
+      for (std::size_t k = 2; k < 4; ++k)
+        EXPECT_EQ(std::memcmp(bad.pixels.data() + 3 * image, bad.pixels.data() + (2 * k + 1) * image, image), 0) << k;
+    }
+  }
+}
+
+TEST(Simulator, ScenesDiffer) {
+  const Frames natural = run(small(""));
+  EXPECT_NE(natural.pixels, run(small("scene=water")).pixels);
+  EXPECT_NE(natural.pixels, run(small("scene=lorry")).pixels);
 }
 
 TEST(Simulator, StandingCameraHasIdentityTruth) {

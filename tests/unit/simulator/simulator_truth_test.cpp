@@ -123,10 +123,12 @@ std::string text(const Left& l) {
 // No edge of a solid within two pixels: there a pixel shows a mixture of two depths.
 bool smooth_around(ImageView<const float> disparity, int u, int v) {
   const float d = disparity(u, v);
-  for (int b = -2; b <= 2; ++b)
-    for (int a = -2; a <= 2; ++a)
+  for (int b = -2; b <= 2; ++b) {
+    for (int a = -2; a <= 2; ++a) {
       if (!disparity.contains(u + a, v + b) || !(std::abs(disparity(u + a, v + b) - d) < 0.03F * d + 0.2F))
         return false;
+    }
+  }
   return true;
 }
 
