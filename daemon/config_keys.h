@@ -44,6 +44,10 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("source.simulator.rocks", simulator.rocks);
   v.key("source.simulator.movers", simulator.movers);
   v.key("source.simulator.shadow", simulator.shadow);
+  v.key("source.simulator.scene", simulator.scene);
+  v.key("source.simulator.fault", simulator.fault);
+  v.key("source.simulator.fault_first", simulator.fault_first);
+  v.key("source.simulator.fault_frames", simulator.fault_frames);
   v.key("source.simulator.noise_seed", simulator.noise_seed);
   v.key("source.simulator.noise_sigma", simulator.noise_sigma);
   v.key("source.simulator.shot_noise", simulator.shot_noise);

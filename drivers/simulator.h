@@ -32,7 +32,7 @@ struct SimulatorOptions {
   std::int64_t every = 1;  // every k-th frame of the render
   // world
   std::uint64_t world_seed = 1;
-  int rocks = -1;                 // -1 = the scene's own number
+  int rocks = -1;                 // percent of the scene's own number, -1 = 100
   int movers = 0;                 // independently moving objects
   bool shadow = false;            // the robot's own shadow, moving with it
   std::string scene = "natural";  // natural; water: the ground's texture drifts; lorry: a mover fills most of the view

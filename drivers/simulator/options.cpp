@@ -75,7 +75,7 @@ constexpr Key kKeys[] = {
     CLIQUEVO_OPTION(raw, "distorted, misaligned pair as grabbed, with its calibration"),
     CLIQUEVO_OPTION(misalign_right_deg, "turn of the right eye that the calibration does not know, x:y:z"),
     CLIQUEVO_OPTION(world_seed, "another world"),
-    CLIQUEVO_OPTION(rocks, "how many rocks, stones and posts: 100 = the scene's own number, -1 the same"),
+    CLIQUEVO_OPTION(rocks, "percent of the scene's own rocks, stones and posts, -1 = 100"),
     CLIQUEVO_OPTION(movers, "number of boxes that drive about"),
     CLIQUEVO_OPTION(shadow, "the robot's own shadow"),
     CLIQUEVO_OPTION(scene, "natural, water (drifting texture), lorry (a mover fills most of the view)"),
