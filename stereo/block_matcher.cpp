@@ -2,91 +2,52 @@
 #include "stereo/block_matcher.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace cliquevo::stereo {
-
-namespace {
-
-// Round to nearest, ties to even, as every vector unit does it: no libm, the same bits everywhere.
-int round_to_int(float v) {
-  constexpr float kMagic = 12582912.0F;  // 1.5 * 2^23
-  return static_cast<int>((v + kMagic) - kMagic);
-}
-
-}  // namespace
 
 void StripMatcher::prepare(const StereoParams& params, int width) {
   columns_.resize(static_cast<int>(kernels::column_cells(width, params.num_disparities)), 1);
   costs_.resize(static_cast<int>(kernels::cost_cells(params.num_disparities)), 1);
   const auto n = static_cast<std::size_t>(width);
   found_.resize(kernels::MatchRow::kStride, kernels::MatchRow::kRows);
+  neutral_.assign(n, static_cast<std::uint8_t>(params.prefilter_cap));
   texture_columns_.resize(n);
   texture_.resize(n);
-  right_best_.resize(n);
+  right_best_.resize(n + 1);
+  astray_.resize(n);
 }
 
-void StripMatcher::sum_texture(const StereoParams& params, int y, ImageView<const std::uint8_t> filtered, bool first) {
-  const int r = params.window / 2;
+void StripMatcher::sum_texture(const kernels::Table& kernel, const StereoParams& params, int y,
+                               ImageView<const std::uint8_t> filtered, bool first) {
   const int rows = params.window_height / 2;
-  const int width = filtered.width;
   const int neutral = params.prefilter_cap;
   const auto row = [&](int j) { return filtered.row(std::clamp(j, 0, filtered.height - 1)); };
   if (first) {
-    std::fill(texture_columns_.begin(), texture_columns_.end(), 0);
+    std::fill(texture_columns_.begin(), texture_columns_.end(), std::uint16_t{0});
     for (int j = y - rows; j <= y + rows; ++j) {
-      for (int x = 0; x < width; ++x) texture_columns_[x] += std::abs(row(j)[x] - neutral);
+      kernel.texture_columns(row(j), neutral_.data(), neutral, filtered.width, texture_columns_.data());
     }
   } else {
-    const std::uint8_t* in = row(y + rows);
-    const std::uint8_t* out = row(y - rows - 1);
-    for (int x = 0; x < width; ++x) texture_columns_[x] += std::abs(in[x] - neutral) - std::abs(out[x] - neutral);
+    kernel.texture_columns(row(y + rows), row(y - rows - 1), neutral, filtered.width, texture_columns_.data());
   }
-  int sum = 0;
-  for (int x = 0; x < 2 * r; ++x) sum += texture_columns_[x];
-  for (int x = r; x < width - r; ++x) {
-    sum += texture_columns_[x + r];
-    texture_[x] = sum;
-    sum -= texture_columns_[x - r];
-  }
+  kernel.texture_sums(texture_columns_.data(), filtered.width, params.window / 2, texture_.data());
 }
 
-void StripMatcher::finish_row(const StereoParams& params, int y, ImageView<const std::uint8_t> filtered, bool first,
-                              std::int16_t* out) {
-  const int width = filtered.width;
+// Each right pixel's best partner among the left pixels that chose it; of equal costs the right-most.
+void StripMatcher::cross_check(int width) {
   const kernels::MatchRow row{found_.view().data};
-  const std::int16_t* found = row.disparity();
-  const std::uint16_t* best = row.best();
-  const std::uint16_t* below = row.below();
-  const std::uint16_t* above = row.above();
-  const std::uint16_t* second = row.second();
-  const bool texture = params.texture_threshold > 0;
-  if (texture) sum_texture(params, y, filtered, first);
-  const int enough = params.texture_threshold * params.window * params.window_height;
-  const bool check_right = params.left_right_tolerance >= 0;
-  if (check_right) {
-    std::fill(right_best_.begin(), right_best_.end(), UINT32_MAX);
-    for (int x = 0; x < width; ++x) {
-      if (found[x] == kUnknownDisparity) continue;
-      std::uint32_t& slot = right_best_[x - found[x]];
-      slot = std::min(slot, static_cast<std::uint32_t>(best[x]) << 16 | static_cast<std::uint32_t>(0xFFFF - x));
-    }
+  const std::int16_t* const disparity = row.disparity();
+  const std::uint16_t* const best = row.best();
+  std::uint32_t* const partner = right_best_.data();
+  std::fill(right_best_.begin(), right_best_.end(), UINT32_MAX);
+  const auto match = [=](int x) { return disparity[x] == kUnknownDisparity ? width : x - disparity[x]; };
+  for (int x = 0; x < width; ++x) {
+    const std::uint32_t mine = static_cast<std::uint32_t>(best[x]) << 16 | static_cast<std::uint32_t>(0xFFFF - x);
+    std::uint32_t& slot = partner[match(x)];
+    slot = mine < slot ? mine : slot;
   }
   for (int x = 0; x < width; ++x) {
-    out[x] = kUnknownDisparity;
-    const int d = found[x];
-    if (d == kUnknownDisparity) continue;
-    if (texture && texture_[x] < enough) continue;
-    if (second[x] * 100 <= best[x] * (100 + params.uniqueness_percent) && params.uniqueness_percent > 0) continue;
-    if (check_right) {
-      const int partner = 0xFFFF - static_cast<int>(right_best_[x - d] & 0xFFFF);
-      if (std::abs(partner - x) > params.left_right_tolerance) continue;
-    }
-    // Two straight flanks of equal slope through the three costs: what a sum of absolute differences looks like.
-    const int slope = std::max(below[x], above[x]) - best[x];
-    const int shift =
-        slope == 0 ? 0 : round_to_int(static_cast<float>(8 * (below[x] - above[x])) / static_cast<float>(slope));
-    out[x] = static_cast<std::int16_t>(d * kDisparityScale + shift);
+    astray_[x] = static_cast<std::int16_t>(0xFFFF - x - static_cast<int>(partner[match(x)] & 0xFFFF));
   }
 }
 
@@ -105,6 +66,7 @@ void StripMatcher::match(const kernels::Table& kernel, const StereoParams& param
   job.window_height = params.window_height;
   job.min_disparity = params.min_disparity;
   job.num_disparities = params.num_disparities;
+  job.second = params.uniqueness_percent > 0;
   job.columns = columns_.view().data;
   job.costs = costs_.view().data;
   job.out.rows = found_.view().data;
@@ -112,7 +74,11 @@ void StripMatcher::match(const kernels::Table& kernel, const StereoParams& param
     job.y = y;
     job.first = y == begin;
     kernel.match_row(job);
-    finish_row(params, y, filtered, y == begin, disparity.row(y));
+    if (params.texture_threshold > 0) sum_texture(kernel, params, y, filtered, job.first);
+    if (params.left_right_tolerance >= 0) cross_check(job.width);
+    kernel.finish_row({job.out, astray_.data(), texture_.data(), job.width, params.uniqueness_percent,
+                       params.texture_threshold * params.window * params.window_height, params.left_right_tolerance},
+                      disparity.row(y));
   }
 }
 

@@ -123,7 +123,7 @@ Result<void> DenseStereo::compute(ImageView<const std::uint8_t> left, ImageView<
                                                      rows(worker + 1), disparity);
   });
   if (s.params.speckle_size > 0) {
-    s.speckles.remove(disparity, s.params.speckle_size, s.params.speckle_range * kDisparityScale);
+    s.speckles.remove(s.kernel, disparity, s.params.speckle_size, s.params.speckle_range * kDisparityScale);
   }
   if (s.params.smoothing > 0) s.smoother.smooth(s.kernel, disparity);
   return {};

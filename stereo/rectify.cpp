@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stereo/rectify.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -13,13 +14,53 @@ namespace cliquevo::stereo {
 
 namespace {
 
-constexpr int kFraction = kernels::RemapPixel::kFraction;
+using kernels::RemapRow;
+constexpr int kFraction = RemapRow::kFraction;
 
 struct Map {
   int raw_width = 0;
   int raw_height = 0;
-  std::vector<kernels::RemapPixel> pixels;  // model's size, row by row
+  int width = 0;
+  // Model's size, row by row; see RemapRow.
+  std::vector<std::int16_t> x, y;
+  std::vector<std::uint8_t> weight_x, weight_y, at;
+  std::vector<RemapRow::Patch> patches;  // of each row its full blocks
+
+  void resize(int w, int h) {
+    width = w;
+    const auto n = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
+    x.assign(n, -1);
+    y.assign(n, -1);
+    for (auto* v : {&weight_x, &weight_y, &at}) v->assign(n, 0);
+    patches.assign(static_cast<std::size_t>(w / RemapRow::kBlock) * static_cast<std::size_t>(h), {-1, -1});
+  }
+  RemapRow row(int v) const {
+    const auto first = static_cast<std::size_t>(v) * static_cast<std::size_t>(width);
+    return {x.data() + first,
+            y.data() + first,
+            weight_x.data() + first,
+            weight_y.data() + first,
+            patches.data() + static_cast<std::size_t>(v) * static_cast<std::size_t>(width / RemapRow::kBlock),
+            at.data() + first};
+  }
 };
+
+// Where all sources of a block lie close together: the patch that holds them, and their places in it.
+void find_patch(Map& map, std::size_t first, RemapRow::Patch& patch) {
+  const auto x = map.x.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto y = map.y.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto [left, right] = std::minmax_element(x, x + RemapRow::kBlock);
+  const auto [top, bottom] = std::minmax_element(y, y + RemapRow::kBlock);
+  if (*left < 0 || *right + 1 - *left >= RemapRow::Patch::kWidth || *bottom + 1 - *top >= RemapRow::Patch::kHeight) {
+    return;
+  }
+  if (map.raw_width < RemapRow::Patch::kWidth || map.raw_height < RemapRow::Patch::kHeight) return;
+  patch.x = std::min(*left, static_cast<std::int16_t>(map.raw_width - RemapRow::Patch::kWidth));
+  patch.y = std::min(*top, static_cast<std::int16_t>(map.raw_height - RemapRow::Patch::kHeight));
+  for (int i = 0; i < RemapRow::kBlock; ++i) {
+    map.at[first + static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(x[i] - patch.x + 128 * (y[i] - patch.y));
+  }
+}
 
 // Where each pixel of the rectified eye comes from; the share of pixels that have a source.
 double fill_map(const CameraCalibration& camera, const Eigen::Matrix3d& R, const StereoModel& model, double cx_px,
@@ -27,14 +68,13 @@ double fill_map(const CameraCalibration& camera, const Eigen::Matrix3d& R, const
   const CameraProjection projection(camera);
   map.raw_width = camera.width;
   map.raw_height = camera.height;
-  map.pixels.assign(static_cast<std::size_t>(model.width) * static_cast<std::size_t>(model.height), {});
+  map.resize(model.width, model.height);
   std::size_t i = 0;
   std::size_t filled = 0;
   for (int v = 0; v < model.height; ++v) {
     for (int u = 0; u < model.width; ++u, ++i) {
       const Eigen::Vector3d ray((u - cx_px) / model.fx_px, (v - model.cy_px) / model.fy_px, 1.0);
       const auto p = projection.project(R.transpose() * ray);
-      kernels::RemapPixel& out = map.pixels[i];
       if (!p || !(p->x() >= 0.0 && p->y() >= 0.0 && p->x() <= camera.width - 1 && p->y() <= camera.height - 1)) {
         continue;
       }
@@ -43,14 +83,21 @@ double fill_map(const CameraCalibration& camera, const Eigen::Matrix3d& R, const
       // The last pixel is its left neighbour plus a whole step, so that the right one may always be read.
       const int x0 = std::min(x / kFraction, camera.width - 2);
       const int y0 = std::min(y / kFraction, camera.height - 2);
-      out.x = static_cast<std::int16_t>(x0);
-      out.y = static_cast<std::int16_t>(y0);
-      out.weight_x = static_cast<std::uint8_t>(x - x0 * kFraction);
-      out.weight_y = static_cast<std::uint8_t>(y - y0 * kFraction);
+      map.x[i] = static_cast<std::int16_t>(x0);
+      map.y[i] = static_cast<std::int16_t>(y0);
+      map.weight_x[i] = static_cast<std::uint8_t>(x - x0 * kFraction);
+      map.weight_y[i] = static_cast<std::uint8_t>(y - y0 * kFraction);
       ++filled;
     }
   }
-  return static_cast<double>(filled) / static_cast<double>(map.pixels.size());
+  const int blocks = model.width / RemapRow::kBlock;
+  for (int v = 0; v < model.height; ++v) {
+    for (int b = 0; b < blocks; ++b) {
+      find_patch(map, static_cast<std::size_t>(v * model.width + b * RemapRow::kBlock),
+                 map.patches[static_cast<std::size_t>(v * blocks + b)]);
+    }
+  }
+  return static_cast<double>(filled) / static_cast<double>(map.x.size());
 }
 
 }  // namespace
@@ -114,10 +161,9 @@ Result<void> Rectifier::rectify(Eye eye, ImageView<const std::uint8_t> raw, Imag
     for (int y = 0; y < out.height; ++y) std::memcpy(out.row(y), raw.row(y), static_cast<std::size_t>(out.width));
     return {};
   }
-  const kernels::RemapPixel* p = impl_->map(eye).pixels.data();
+  const Map& map = impl_->map(eye);
   for (int y = 0; y < out.height; ++y) {
-    impl_->kernel.remap_row(raw.data, raw.stride, p + static_cast<std::ptrdiff_t>(y) * out.width, out.width,
-                            out.row(y));
+    impl_->kernel.remap_row(raw.data, raw.stride, map.row(y), out.width, out.row(y));
   }
   return {};
 }
@@ -125,11 +171,12 @@ Result<void> Rectifier::rectify(Eye eye, ImageView<const std::uint8_t> raw, Imag
 Result<void> Rectifier::rectify_mask(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
   if (auto ok = impl_->check(eye, raw, out); !ok) return ok;
   if (impl_->identity) return rectify(eye, raw, out);
-  const kernels::RemapPixel* p = impl_->map(eye).pixels.data();
   for (int y = 0; y < out.height; ++y) {
-    for (int x = 0; x < out.width; ++x, ++p) {
-      const bool seen = p->x >= 0;
-      out(x, y) = seen ? raw(p->x + (2 * p->weight_x >= kFraction), p->y + (2 * p->weight_y >= kFraction)) : 0;
+    const RemapRow map = impl_->map(eye).row(y);
+    for (int x = 0; x < out.width; ++x) {
+      const bool seen = map.x[x] >= 0;
+      out(x, y) =
+          seen ? raw(map.x[x] + (2 * map.weight_x[x] >= kFraction), map.y[x] + (2 * map.weight_y[x] >= kFraction)) : 0;
     }
   }
   return {};

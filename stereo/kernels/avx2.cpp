@@ -10,6 +10,9 @@ namespace {
 
 #include "stereo/kernels/match_row.h"
 #include "stereo/kernels/rows.h"
+#include "stereo/kernels/sse4_ops.h"
+
+#define CLIQUEVO_MM(operation) _mm256_##operation
 
 struct Avx2 {
   using Reg = __m256i;
@@ -17,48 +20,47 @@ struct Avx2 {
   static Reg zero() { return _mm256_setzero_si256(); }
   static Reg load(const void* p) { return _mm256_loadu_si256(static_cast<const __m256i*>(p)); }
   static void store(void* p, Reg v) { _mm256_storeu_si256(static_cast<__m256i*>(p), v); }
-  static Reg broadcast8(const std::uint8_t* p) { return _mm256_set1_epi8(static_cast<char>(*p)); }
-  static Reg add8(Reg a, Reg b) { return _mm256_add_epi8(a, b); }
-  static Reg sub8(Reg a, Reg b) { return _mm256_sub_epi8(a, b); }
-  // |a - b| of values below 128.
-  static Reg difference(Reg a, Reg b) { return _mm256_abs_epi8(_mm256_sub_epi8(a, b)); }
-  static Reg factor_even(int weight) { return _mm256_set1_epi16(static_cast<short>(weight)); }
-  static Reg factor_odd(int weight) { return _mm256_set1_epi16(static_cast<short>(weight << 8)); }
-  // even, odd += the even and the odd signed bytes of `change`, times the weight.
-  static void accumulate(Reg& even, Reg& odd, Reg change, Reg factor_even, Reg factor_odd) {
-    even = _mm256_add_epi16(even, _mm256_maddubs_epi16(factor_even, change));
-    odd = _mm256_add_epi16(odd, _mm256_maddubs_epi16(factor_odd, change));
-  }
+#include "stereo/kernels/x86_match.h"
+#include "stereo/kernels/x86_rows.h"
+
   static Reg places(int first) {
     return _mm256_set_m128i(_mm_set1_epi16(static_cast<short>(first + 2)), _mm_set1_epi16(static_cast<short>(first)));
   }
   // Keys of elements outside [first, last] become the largest.
   static Reg mask(Reg keys, const std::uint16_t* elements, int first, int last) {
     const Reg e = load(elements);
-    const Reg low = _mm256_cmpgt_epi16(_mm256_set1_epi16(static_cast<short>(first)), e);
-    const Reg high = _mm256_cmpgt_epi16(e, _mm256_set1_epi16(static_cast<short>(last)));
-    return _mm256_or_si256(keys, _mm256_or_si256(low, high));
+    return either(keys, either(more16(broadcast16(first), e), more16(e, broadcast16(last))));
   }
-  // The lane-wise minimum of all keys but the named ones.
-  template <int kVectors>
-  static Reg least_but(const std::uint16_t* keys, std::uint16_t even_out, std::uint16_t odd_out) {
-    static constexpr LeftOut kLeftOut;
-    const std::uint16_t* not_even = kLeftOut.slid(even_out);
-    const std::uint16_t* not_odd = kLeftOut.slid(odd_out);
-    Reg least{};
-#pragma GCC unroll 16
-    for (int v = 0; v < kVectors; ++v) {
-      const Reg a = _mm256_or_si256(load(keys + v * kBytes), load(not_even + v * kBytes / 2));
-      const Reg b = _mm256_or_si256(load(keys + v * kBytes + kBytes / 2), load(not_odd + v * kBytes / 2));
-      least = v == 0 ? min16(a, b) : min16(least, min16(a, b));
-    }
-    return least;
-  }
-  static Reg min16(Reg a, Reg b) { return _mm256_min_epu16(a, b); }
   // The smallest key, and above 16 bits the lane within eight where it first occurs.
   static unsigned minimum(Reg v) {
     const __m128i m = _mm_min_epu16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));
     return static_cast<unsigned>(_mm_cvtsi128_si32(_mm_minpos_epu16(m)));
+  }
+
+  static Reg load_bytes(const std::uint8_t* p) {
+    return _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)));
+  }
+  static void store_bytes(std::uint8_t* p, Reg v) {
+    const Reg bytes = _mm256_permute4x64_epi64(_mm256_packus_epi16(v, v), 0x08);
+    _mm_storeu_si128(reinterpret_cast<__m128i*>(p), _mm256_castsi256_si128(bytes));
+  }
+  static Reg table_of_eight(const std::int16_t* words) {
+    return _mm256_broadcastsi128_si256(_mm_loadu_si128(reinterpret_cast<const __m128i*>(words)));
+  }
+  // 8 * a / b, rounded to nearest, ties to even; b > 0.
+  static Reg eight_times_quotient(Reg a, Reg b) {
+    const auto half = [](__m128i n, __m128i d) {
+      const __m256 eightfold = _mm256_mul_ps(_mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(n)), _mm256_set1_ps(8.0F));
+      return _mm256_cvtps_epi32(_mm256_div_ps(eightfold, _mm256_cvtepi32_ps(_mm256_cvtepi16_epi32(d))));
+    };
+    const Reg low = half(_mm256_castsi256_si128(a), _mm256_castsi256_si128(b));
+    const Reg high = half(_mm256_extracti128_si256(a, 1), _mm256_extracti128_si256(b, 1));
+    return _mm256_permute4x64_epi64(_mm256_packs_epi32(low, high), 0xD8);
+  }
+  // A bit for each word of two masks.
+  static std::uint64_t bits(Reg first, Reg second) {
+    const Reg bytes = _mm256_permute4x64_epi64(_mm256_packs_epi16(first, second), 0xD8);
+    return static_cast<unsigned>(_mm256_movemask_epi8(bytes));
   }
 };
 
@@ -66,7 +68,6 @@ void match_row(const MatchJob& job) { match_row_with<Avx2>(job); }
 
 }  // namespace
 
-const Table kAvx2{Isa::avx2, kReference.remap_row, vector_prefilter_left, vector_prefilter_right,
-                  match_row, vector_smooth};
+constinit const Table kAvx2 = vector_table<Avx2, Sse4>(Isa::avx2, match_row);
 
 }  // namespace cliquevo::stereo::kernels

@@ -3,6 +3,23 @@
 
 namespace cliquevo::stereo::kernels {
 
+#if defined(__x86_64__)
+namespace {
+
+// The row kernels are short of memory, not of width. Put together here, not in a file whose code this machine may lack.
+const Table& avx512_table() {
+  static const Table table = [] {
+    Table t = kAvx2;
+    t.isa = Isa::avx512;
+    t.match_row = match_row_avx512;
+    return t;
+  }();
+  return table;
+}
+
+}  // namespace
+#endif
+
 const Table& table(Isa isa) {
   switch (isa) {
 #if defined(__x86_64__)
@@ -11,7 +28,7 @@ const Table& table(Isa isa) {
     case Isa::avx2:
       return kAvx2;
     case Isa::avx512:
-      return kAvx512;
+      return avx512_table();
 #elif defined(__aarch64__)
     case Isa::neon:
       return kNeon;

@@ -10,13 +10,23 @@
 
 namespace cliquevo::stereo::kernels {
 
-// Where a rectified pixel comes from: between (x, y) and (x + 1, y + 1) of the raw image.
-struct RemapPixel {
+// Where the pixels of a rectified row come from: between (x, y) and (x + 1, y + 1) of the raw image.
+struct RemapRow {
   static constexpr int kFraction = 64;  // steps between two raw pixels
-  std::int16_t x = -1;                  // < 0: no source
-  std::int16_t y = -1;
-  std::uint8_t weight_x = 0;  // of column x + 1, 0..64
-  std::uint8_t weight_y = 0;  // of row y + 1, 0..64
+  static constexpr int kBlock = 8;
+  // The patch of 16 x 3 raw pixels that holds all that a block of pixels needs; x < 0: there is none.
+  struct Patch {
+    static constexpr int kWidth = 16;
+    static constexpr int kHeight = 3;
+    std::int16_t x, y;
+  };
+
+  const std::int16_t* x;  // < 0: no source
+  const std::int16_t* y;
+  const std::uint8_t* weight_x;  // of column x + 1, 0..64
+  const std::uint8_t* weight_y;  // of row y + 1, 0..64
+  const Patch* patches;          // one a full block
+  const std::uint8_t* at;        // place within the patch: column, and 128 where it is the second row
 };
 
 // Rows of matching images carry `kMargin` pixels on both sides, so that vectors may run over their ends; what lies
@@ -64,7 +74,7 @@ struct PrefilterRow {
 // a fixed distance apart, so that one address reaches them all.
 struct MatchRow {
   static constexpr int kStride = 16384 + 160;
-  enum { kDisparity, kBest, kBelow, kAbove, kSecond, kFound, kBeside = kFound + 2, kRows = kBeside + 2 };
+  enum { kDisparity, kBest, kBelow, kAbove, kSecond, kBeyond, kFound, kRows = kFound + 2 };
   std::uint16_t* rows;  // kRows * kStride
 
   // px; kUnknownDisparity where no window fits or the best one ends the range
@@ -75,9 +85,9 @@ struct MatchRow {
   std::uint16_t* above() const { return rows + kAbove * kStride; }  // cost at disparity + 1
   // lowest cost more than 1 px away, 65535 / key_weight() if there is none
   std::uint16_t* second() const { return rows + kSecond * kStride; }
-  // scratch of the vector kernels
+  // scratch of the vector kernels: the cost 2 px away on the side that shares no pair with the best one; key and lane
+  std::uint16_t* beyond() const { return rows + kBeyond * kStride; }
   std::uint32_t* found() const { return reinterpret_cast<std::uint32_t*>(rows + kFound * kStride); }
-  std::uint32_t* beside() const { return reinterpret_cast<std::uint32_t*>(rows + kBeside * kStride); }
 };
 
 struct MatchJob {
@@ -93,6 +103,7 @@ struct MatchJob {
   int num_disparities;
   int y;                  // the row to match; beyond the image its first or last row is repeated
   bool first;             // whether `columns` must be built anew; otherwise they are those of row y - 1
+  bool second;            // whether out.second() is asked for
   std::uint8_t* columns;  // column sums, column_cells()
   std::uint16_t* costs;   // cost_cells()
   MatchRow out;
@@ -106,7 +117,7 @@ constexpr std::size_t column_cells(int width, int num_disparities) {
          static_cast<std::size_t>(padded_disparities(num_disparities));
 }
 constexpr std::size_t cost_cells(int num_disparities) {
-  return (1 + 2 * kMatchBlock) * static_cast<std::size_t>(padded_disparities(num_disparities));
+  return (1 + 3 * kMatchBlock) * static_cast<std::size_t>(padded_disparities(num_disparities));
 }
 
 // A row to smooth: each known value moves to the mean of itself and of those neighbours that are at most `reach` away.
@@ -123,17 +134,45 @@ struct SmoothRow {
 // 32768 / n: means without a division. One value alone has no difference to share out.
 inline constexpr std::int32_t kReciprocals[8] = {0, 32767, 16384, 10923, 8192, 6554, 5461, 4681};
 
+// From costs to a sub-pixel disparity, or unknown where a test fails.
+struct FinishRow {
+  MatchRow found;
+  const std::int16_t* astray;    // px from a pixel to the one that its match likes best
+  const std::uint16_t* texture;  // sum over the window
+  int width;
+  int uniqueness_percent;    // 0 = off
+  int texture_threshold;     // of the sum, 0 = off
+  int left_right_tolerance;  // < 0 = off
+};
+
+// Which pixels of a disparity row belong together; a bit for each pixel, in words of 64, the last one filled with 0.
+struct LinkRow {
+  const std::int16_t* row;
+  const std::int16_t* above;
+  int width;
+  int range;              // a step that still links
+  std::uint64_t* known;   // not unknown
+  std::uint64_t* across;  // linked with the pixel to the left
+  std::uint64_t* down;    // linked with the pixel above
+};
+
 struct Table {
   Isa isa;
-  // out[i] = bilinear sample of raw at map[i], 0 where there is no source.
-  void (*remap_row)(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapPixel* map, int width,
-                    std::uint8_t* out);
+  // out[i] = bilinear sample of raw, 0 where there is no source.
+  void (*remap_row)(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& map, int width, std::uint8_t* out);
   // 3x3 Sobel gradients, 0 in the first and last column; matching = curve(gradient) + range.
   // left: filtered = clip(horizontal, +-cap) + cap; the gradient in `matching` by channel of (x, y).
   void (*prefilter_left)(const PrefilterRow& in, Channels channels, int y, int cap, std::uint8_t* filtered,
                          std::uint8_t* matching);
   void (*prefilter_right)(const PrefilterRow& in, std::uint8_t* horizontal, std::uint8_t* vertical);
   void (*match_row)(const MatchJob& job);
+  // columns[x] += |added[x] - neutral| - |removed[x] - neutral|
+  void (*texture_columns)(const std::uint8_t* added, const std::uint8_t* removed, int neutral, int width,
+                          std::uint16_t* columns);
+  // out[x] = sum of columns[x - radius .. x + radius], for x in [radius, width - radius)
+  void (*texture_sums)(const std::uint16_t* columns, int width, int radius, std::uint16_t* out);
+  void (*finish_row)(const FinishRow& in, std::int16_t* out);
+  void (*link_row)(const LinkRow& in);
   void (*smooth_row)(const SmoothRow& in, int width, std::int16_t* out);
 };
 
@@ -145,7 +184,22 @@ const Table& active();
 extern const Table kReference;
 extern const Table kSse4;
 extern const Table kAvx2;
-extern const Table kAvx512;
 extern const Table kNeon;
+void match_row_avx512(const MatchJob& job);
+
+// The plain kernels by name: vectors leave the end of a row to them.
+namespace reference {
+void remap_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& map, int begin, int end,
+               std::uint8_t* out);
+void prefilter_left(const PrefilterRow& in, Channels channels, int y, int cap, std::uint8_t* filtered,
+                    std::uint8_t* matching);
+void prefilter_right(const PrefilterRow& in, std::uint8_t* horizontal, std::uint8_t* vertical);
+void finish_row(const FinishRow& in, std::int16_t* out);
+void texture_columns(const std::uint8_t* added, const std::uint8_t* removed, int neutral, int width,
+                     std::uint16_t* columns);
+void texture_sums(const std::uint16_t* columns, int width, int radius, std::uint16_t* out);
+void link_row(const LinkRow& in);
+void smooth_row(const SmoothRow& in, int width, std::int16_t* out);
+}  // namespace reference
 
 }  // namespace cliquevo::stereo::kernels

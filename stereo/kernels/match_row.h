@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The vector matcher, written once over a small set of operations `V` that each instruction set supplies (see
-// avx2.cpp). Included inside an anonymous namespace by each of them, so that no code compiled for one machine is linked
-// into another's path; for the same reason nothing from the standard library is called here.
+// x86_match.h). Included inside an anonymous namespace by each of them, so that no code compiled for one machine is
+// linked into another's path; for the same reason nothing from the standard library is called here.
 //
 // Vectors run over disparities: element e of a pixel is disparity last - e, so that the right image is read upwards.
 // Column sums are bytes in the order of e. Costs are kept as keys, cost * weight + place, in 16 bits: of each vector of
@@ -10,16 +10,14 @@
 
 #define CLIQUEVO_INLINE [[gnu::always_inline]] inline
 
-// What belongs to the winner of a pixel, by its lane and place: where its neighbours' keys lie (bytes), and which keys
-// the second look must leave out: the winner, in the register set of its own parity, and both neighbours in the other.
+// What belongs to the winner of a pixel, by its lane and place. Its neighbours and itself fill two pairs of elements
+// but for one element, the one beyond: the second look takes both pairs out whole and looks at that one alone.
 template <int kBytes, int kPadded>
 struct Winners {
   static constexpr int kWeight = key_weight(kPadded);
   struct Entry {
-    std::uint16_t nearer, farther;
-    // First of the elements of even (odd) number that are left out, counted among those of their parity plus 1; bit 15:
-    // there are two of them.
-    std::uint16_t even, odd;
+    std::uint16_t nearer, farther, beyond;  // where their keys lie, bytes
+    std::uint16_t pair;                     // first of the two
   };
   Entry at[kWeight * 8];
 
@@ -31,27 +29,20 @@ struct Winners {
     for (int place = 0; place < kWeight; ++place) {
       for (int lane = 0; lane < 8; ++lane) {
         const int e = (place >> 1) * 16 + 2 * lane + (place & 1);
-        const int pair = e / 2;
         const bool is_odd = (e & 1) != 0;
-        at[lane * kWeight + place] = {offset(e - 1), offset(e + 1),
-                                      static_cast<std::uint16_t>(is_odd ? (pair + 1) | 0x8000 : pair + 1),
-                                      static_cast<std::uint16_t>(is_odd ? pair + 1 : pair | 0x8000)};
+        at[lane * kWeight + place] = {offset(e - 1), offset(e + 1), offset(is_odd ? e + 2 : e - 2),
+                                      static_cast<std::uint16_t>(is_odd || e == 0 ? e / 2 : e / 2 - 1)};
       }
     }
   }
 };
 
-// Sixteen-bit lanes that are all ones at kCentre and, in the second half, also at the next: slid over the keys of one
-// parity, they take the winner or its neighbours out of the second look.
-struct LeftOut {
-  static constexpr int kCentre = 160;
-  static constexpr int kSize = 2 * kCentre + 32;
-  std::uint16_t lanes[2 * kSize];
-  constexpr LeftOut() : lanes() { lanes[kCentre] = lanes[kSize + kCentre] = lanes[kSize + kCentre + 1] = 0xFFFF; }
-  // Of the element that the winner table names (see Winners::Entry).
-  const std::uint16_t* slid(std::uint16_t entry) const {
-    return lanes + (entry >> 15) * kSize + kCentre + 1 - (entry & 0x7FFF);
-  }
+// All ones in two lanes, to be slid over the pairs.
+struct TwoOut {
+  static constexpr int kCentre = 128;
+  std::uint16_t lanes[2 * kCentre + 32];
+  constexpr TwoOut() : lanes() { lanes[kCentre] = lanes[kCentre + 1] = 0xFFFF; }
+  const std::uint16_t* slid(int pair) const { return lanes + kCentre - pair; }
 };
 
 template <typename V, int kVectors>
@@ -62,6 +53,7 @@ struct RowMatcher {
   static constexpr int kPadded = kVectors * kBytes;
   static constexpr int kWeight = key_weight(kPadded);
   static constexpr int kBlock = kMatchBlock;
+  static constexpr int kCells = kPadded + kPadded / 2;  // keys of a pixel, then the smaller of each pair
   using WinnerTable = Winners<kBytes, kPadded>;
 
   const MatchJob& job;
@@ -147,8 +139,9 @@ struct RowMatcher {
     for (int v = 0; v < kVectors; ++v) {
       V::store(key + v * kBytes, sums.even[v]);
       V::store(key + v * kBytes + kKeys, sums.odd[v]);
-      const Reg both = V::min16(sums.even[v], sums.odd[v]);
-      least = v == 0 ? both : V::min16(least, both);
+      const Reg pairs = V::min16(sums.even[v], sums.odd[v]);
+      V::store(key + kPadded + v * kKeys, pairs);
+      least = v == 0 ? pairs : V::min16(least, pairs);
     }
     job.out.found()[x] = V::minimum(least);  // key, lane << 16
   }
@@ -157,15 +150,25 @@ struct RowMatcher {
   // winner's place, which would hold up the search if it came at once.
   CLIQUEVO_INLINE void look_again(int x, const std::uint16_t* key) const {
     static constexpr WinnerTable kWinners;
-    for (int i = 0; i < kBlock; ++i, key += kPadded) {
+    static constexpr TwoOut kTwoOut;
+    for (int i = 0; i < kBlock; ++i, key += kCells) {
       const std::uint32_t found = job.out.found()[x + i];
       const auto& winner = kWinners.at[(found >> 16) * kWeight + (found & (kWeight - 1))];
-      const auto neighbour = [key](std::uint16_t offset) {
+      const auto at = [key](std::uint16_t offset) {
         return *reinterpret_cast<const std::uint16_t*>(reinterpret_cast<const char*>(key) + offset);
       };
-      job.out.beside()[x + i] = static_cast<std::uint32_t>(neighbour(winner.nearer)) << 16 | neighbour(winner.farther);
-      job.out.second()[x + i] =
-          static_cast<std::uint16_t>(V::minimum(V::template least_but<kVectors>(key, winner.even, winner.odd)));
+      job.out.above()[x + i] = at(winner.nearer);
+      job.out.below()[x + i] = at(winner.farther);
+      if (!job.second) continue;
+      job.out.beyond()[x + i] = at(winner.beyond);
+      const std::uint16_t* two = kTwoOut.slid(winner.pair);
+      Reg least{};
+#pragma GCC unroll 16
+      for (int v = 0; v < kVectors; ++v) {
+        const Reg others = V::either(V::load(key + kPadded + v * kKeys), V::load(two + v * kKeys));
+        least = v == 0 ? others : V::min16(least, others);
+      }
+      job.out.second()[x + i] = static_cast<std::uint16_t>(V::minimum(least));
     }
   }
 
@@ -183,10 +186,10 @@ struct RowMatcher {
       find_best<kMasked>(x + i, sums, keys);
       enter(sums, factors, left_in + i + 1, left_out + i + 1, right_in[1] + i + 1, right_out[1] + i + 1,
             column + kPadded, leaving + kPadded);
-      find_best<kMasked>(x + i + 1, sums, keys + kPadded);
+      find_best<kMasked>(x + i + 1, sums, keys + kCells);
       column += 2 * kPadded;
       leaving += 2 * kPadded;
-      keys += 2 * kPadded;
+      keys += 2 * kCells;
     }
   }
 
@@ -212,7 +215,7 @@ struct RowMatcher {
     const int all_begin = job.num_disparities == kPadded ? last + radius : end;
     const int all_end = end + (job.min_disparity < 0 ? job.min_disparity : 0);
     std::uint16_t* keys = ring;
-    std::uint16_t* earlier = ring + kBlock * kPadded;
+    std::uint16_t* earlier = ring + kBlock * kCells;
     for (int x = begin; x < end; x += kBlock) {
       if (x >= all_begin && x + kBlock <= all_end) {
         match_block<false>(x, in, out, sums, factors, keys);
@@ -236,7 +239,7 @@ struct RowMatcher {
     std::uint16_t* const above = job.out.above();
     std::uint16_t* const second = job.out.second();
     const std::uint32_t* const found = job.out.found();
-    const std::uint32_t* const beside = job.out.beside();
+    const std::uint16_t* const beyond = job.out.beyond();
     constexpr int kShift = __builtin_ctz(static_cast<unsigned>(kWeight));
     for (int x = 0; x < begin; ++x) disparity[x] = kUnknownDisparity;
     for (int x = end; x < job.width; ++x) disparity[x] = kUnknownDisparity;
@@ -258,9 +261,9 @@ struct RowMatcher {
       const int low = x + farthest_right > lowest ? x + farthest_right : lowest;
       disparity[x] = static_cast<std::int16_t>(d > low && d < high ? d : kUnknownDisparity);
       best[x] = static_cast<std::uint16_t>(key >> kShift);
-      below[x] = static_cast<std::uint16_t>((beside[x] & 0xFFFF) >> kShift);
-      above[x] = static_cast<std::uint16_t>(beside[x] >> (16 + kShift));
-      second[x] = static_cast<std::uint16_t>(second[x] >> kShift);
+      below[x] = static_cast<std::uint16_t>(below[x] >> kShift);
+      above[x] = static_cast<std::uint16_t>(above[x] >> kShift);
+      second[x] = static_cast<std::uint16_t>((second[x] < beyond[x] ? second[x] : beyond[x]) >> kShift);
     }
   }
 };

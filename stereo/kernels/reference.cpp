@@ -8,24 +8,26 @@
 
 namespace cliquevo::stereo::kernels {
 
-namespace {
+namespace reference {
 
-void remap_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapPixel* map, int width, std::uint8_t* out) {
-  for (int i = 0; i < width; ++i) {
-    const RemapPixel& m = map[i];
-    if (m.x < 0) {
+void remap_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& map, int begin, int end,
+               std::uint8_t* out) {
+  for (int i = begin; i < end; ++i) {
+    if (map.x[i] < 0) {
       out[i] = 0;
       continue;
     }
-    const std::uint8_t* p = raw + m.y * stride + m.x;
+    const std::uint8_t* p = raw + map.y[i] * stride + map.x[i];
     const std::uint8_t* q = p + stride;
-    const int w = m.weight_x;
+    const int w = map.weight_x[i];
     const int top = p[0] * (64 - w) + p[1] * w;
     const int bottom = q[0] * (64 - w) + q[1] * w;
-    const int value = top + (((bottom - top) * m.weight_y + 32) >> 6);
+    const int value = top + (((bottom - top) * map.weight_y[i] + 32) >> 6);
     out[i] = static_cast<std::uint8_t>((value + 32) >> 6);
   }
 }
+
+namespace {
 
 int horizontal_gradient(const PrefilterRow& in, int x) {
   if (x == 0 || x + 1 == in.width) return 0;
@@ -45,6 +47,8 @@ std::uint8_t matching_value(const Curve& curve, int gradient) {
   return static_cast<std::uint8_t>(gradient < 0 ? curve.range - value : curve.range + value);
 }
 
+}  // namespace
+
 void prefilter_left(const PrefilterRow& in, Channels channels, int y, int cap, std::uint8_t* filtered,
                     std::uint8_t* matching) {
   for (int x = 0; x < in.width; ++x) {
@@ -60,6 +64,8 @@ void prefilter_right(const PrefilterRow& in, std::uint8_t* horizontal, std::uint
     vertical[x] = matching_value(in.curve, vertical_gradient(in, x));
   }
 }
+
+namespace {
 
 int difference(const MatchJob& job, int x, int y, int d) {
   const int row = std::clamp(y, 0, job.height - 1);
@@ -124,6 +130,61 @@ void match_row(const MatchJob& job) {
   }
 }
 
+// Round to nearest, ties to even, as every vector unit does it: no libm, the same bits everywhere.
+int round_to_int(float v) {
+  constexpr float kMagic = 12582912.0F;  // 1.5 * 2^23
+  return static_cast<int>((v + kMagic) - kMagic);
+}
+
+}  // namespace
+
+void finish_row(const FinishRow& in, std::int16_t* out) {
+  for (int x = 0; x < in.width; ++x) {
+    out[x] = kUnknownDisparity;
+    const int d = in.found.disparity()[x];
+    if (d == kUnknownDisparity) continue;
+    const int best = in.found.best()[x];
+    const int below = in.found.below()[x];
+    const int above = in.found.above()[x];
+    if (in.texture_threshold > 0 && in.texture[x] < in.texture_threshold) continue;
+    if (in.uniqueness_percent > 0 && in.found.second()[x] * 100 <= best * (100 + in.uniqueness_percent)) continue;
+    if (in.left_right_tolerance >= 0 && std::abs(in.astray[x]) > in.left_right_tolerance) continue;
+    // Two straight flanks of equal slope through the three costs: what a sum of absolute differences looks like.
+    const int slope = std::max(below, above) - best;
+    const int shift =
+        slope == 0 ? 0 : round_to_int(static_cast<float>(8 * (below - above)) / static_cast<float>(slope));
+    out[x] = static_cast<std::int16_t>(d * kDisparityScale + shift);
+  }
+}
+
+void texture_columns(const std::uint8_t* added, const std::uint8_t* removed, int neutral, int width,
+                     std::uint16_t* columns) {
+  for (int x = 0; x < width; ++x) {
+    columns[x] = static_cast<std::uint16_t>(columns[x] + std::abs(added[x] - neutral) - std::abs(removed[x] - neutral));
+  }
+}
+
+void texture_sums(const std::uint16_t* columns, int width, int radius, std::uint16_t* out) {
+  for (int x = radius; x < width - radius; ++x) {
+    int sum = 0;
+    for (int k = -radius; k <= radius; ++k) sum += columns[x + k];
+    out[x] = static_cast<std::uint16_t>(sum);
+  }
+}
+
+void link_row(const LinkRow& in) {
+  for (int word = 0; word * 64 < in.width; ++word) in.known[word] = in.across[word] = in.down[word] = 0;
+  for (int x = 0; x < in.width; ++x) {
+    const int v = in.row[x];
+    if (v == kUnknownDisparity) continue;
+    const auto linked = [v, &in](int other) { return other != kUnknownDisparity && std::abs(v - other) <= in.range; };
+    const std::uint64_t bit = std::uint64_t{1} << (x % 64);
+    in.known[x / 64] |= bit;
+    if (x > 0 && linked(in.row[x - 1])) in.across[x / 64] |= bit;
+    if (linked(in.above[x])) in.down[x / 64] |= bit;
+  }
+}
+
 void smooth_row(const SmoothRow& in, int width, std::int16_t* out) {
   for (int x = 0; x < width; ++x) {
     const int z = in.centre[x];
@@ -141,8 +202,26 @@ void smooth_row(const SmoothRow& in, int width, std::int16_t* out) {
   }
 }
 
+}  // namespace reference
+
+namespace {
+
+void remap_whole_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& map, int width,
+                     std::uint8_t* out) {
+  reference::remap_row(raw, stride, map, 0, width, out);
+}
+
 }  // namespace
 
-const Table kReference{Isa::reference, remap_row, prefilter_left, prefilter_right, match_row, smooth_row};
+constinit const Table kReference{Isa::reference,
+                                 remap_whole_row,
+                                 reference::prefilter_left,
+                                 reference::prefilter_right,
+                                 reference::match_row,
+                                 reference::texture_columns,
+                                 reference::texture_sums,
+                                 reference::finish_row,
+                                 reference::link_row,
+                                 reference::smooth_row};
 
 }  // namespace cliquevo::stereo::kernels

@@ -88,6 +88,7 @@ void compare(const Table& tested, const Shape& s, unsigned seed) {
   job.window_height = s.window_height;
   job.min_disparity = s.min_disparity;
   job.num_disparities = s.num_disparities;
+  job.second = seed % 3 != 1;
   MatchJob same = job;
   job.columns = columns_a.view().data;
   job.costs = costs_a.view().data;
@@ -106,7 +107,9 @@ void compare(const Table& tested, const Shape& s, unsigned seed) {
       ASSERT_EQ(a.best()[x], b.best()[x]) << x << "," << y;
       ASSERT_EQ(a.below()[x], b.below()[x]) << x << "," << y;
       ASSERT_EQ(a.above()[x], b.above()[x]) << x << "," << y;
-      ASSERT_EQ(a.second()[x], b.second()[x]) << x << "," << y;
+      if (job.second) {
+        ASSERT_EQ(a.second()[x], b.second()[x]) << x << "," << y;
+      }
     }
   }
 }
@@ -157,6 +160,123 @@ TEST_P(KernelTest, PrefilterEqualsTheReference) {
       tested().prefilter_right(in, b[2].data() + 1, b[3].data() + 1);
       for (int i = 0; i < 4; ++i) ASSERT_EQ(a[i], b[i]) << "plane " << i << " width " << width;
     }
+  }
+}
+
+TEST_P(KernelTest, TextureEqualsTheReference) {
+  std::mt19937 random(6);
+  for (int width = 5; width < 160; ++width) {
+    const auto n = static_cast<std::size_t>(width);
+    std::vector<std::uint8_t> added(n), removed(n);
+    std::vector<std::uint16_t> columns(n), sums_a(n, 7), sums_b(n, 7);
+    for (std::size_t x = 0; x < n; ++x) {
+      added[x] = static_cast<std::uint8_t>(below(random, 127));
+      removed[x] = static_cast<std::uint8_t>(below(random, 127));
+      columns[x] = static_cast<std::uint16_t>(63 + below(random, 1200));
+    }
+    std::vector<std::uint16_t> same = columns;
+    const int radius = 2 + below(random, std::max(1, std::min(9, (width - 1) / 2 - 1)));
+    kReference.texture_columns(added.data(), removed.data(), 63, width, columns.data());
+    tested().texture_columns(added.data(), removed.data(), 63, width, same.data());
+    ASSERT_EQ(columns, same) << width;
+    kReference.texture_sums(columns.data(), width, radius, sums_a.data());
+    tested().texture_sums(columns.data(), width, radius, sums_b.data());
+    ASSERT_EQ(sums_a, sums_b) << width;
+  }
+}
+
+TEST_P(KernelTest, FinishingEqualsTheReference) {
+  std::mt19937 random(5);
+  static Found cells;
+  for (int width = 1; width < 160; ++width) {
+    const MatchRow row = cells.row();
+    std::vector<std::int16_t> astray(static_cast<std::size_t>(width));
+    std::vector<std::uint16_t> texture(static_cast<std::size_t>(width));
+    for (int x = 0; x < width; ++x) {
+      row.disparity()[x] =
+          below(random, 5) == 0 ? kUnknownDisparity : static_cast<std::int16_t>(below(random, 320) - 64);
+      const int best = below(random, below(random, 2) == 0 ? 8 : 16000);
+      row.best()[x] = static_cast<std::uint16_t>(best);
+      row.below()[x] = static_cast<std::uint16_t>(best + below(random, 383));
+      row.above()[x] = static_cast<std::uint16_t>(best + below(random, 383));
+      row.second()[x] = static_cast<std::uint16_t>(best + below(random, 383));
+      astray[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(below(random, 9) - 4);
+      texture[static_cast<std::size_t>(x)] = static_cast<std::uint16_t>(below(random, 400));
+    }
+    FinishRow in{row, astray.data(), texture.data(), width, 0, 0, 0};
+    in.uniqueness_percent = below(random, 2) * below(random, 101);
+    in.texture_threshold = below(random, 2) * 200;
+    in.left_right_tolerance = below(random, 4) - 1;
+    std::vector<std::int16_t> a(static_cast<std::size_t>(width + 1), 99), b = a;
+    kReference.finish_row(in, a.data());
+    tested().finish_row(in, b.data());
+    ASSERT_EQ(a, b) << width;
+  }
+}
+
+TEST_P(KernelTest, LinkingEqualsTheReference) {
+  std::mt19937 random(7);
+  for (int width = 1; width < 300; ++width) {
+    // Nothing may be read beside the rows, nor written behind their last word.
+    std::vector<std::int16_t> row(static_cast<std::size_t>(width)), above = row;
+    for (auto* r : {&row, &above}) {
+      for (auto& v : *r) {
+        v = below(random, 5) == 0 ? kUnknownDisparity : static_cast<std::int16_t>(below(random, 40) - 20);
+        if (below(random, 9) == 0) v = static_cast<std::int16_t>(below(random, 2) == 0 ? 5119 : -1024);
+      }
+    }
+    const auto words = static_cast<std::size_t>(width + 63) / 64 + 1;
+    std::vector<std::uint64_t> a[3], b[3];
+    for (int i = 0; i < 3; ++i) {
+      a[i].assign(words, 0x1234);
+      b[i].assign(words, 0x1234);
+    }
+    const int range = 16 * below(random, 3);
+    kReference.link_row({row.data(), above.data(), width, range, a[0].data(), a[1].data(), a[2].data()});
+    tested().link_row({row.data(), above.data(), width, range, b[0].data(), b[1].data(), b[2].data()});
+    for (int i = 0; i < 3; ++i) ASSERT_EQ(a[i], b[i]) << "bits " << i << " width " << width;
+  }
+}
+
+// Maps whose blocks are compact, scattered, and partly without a source.
+TEST_P(KernelTest, RectifyingEqualsTheReference) {
+  std::mt19937 random(8);
+  for (int width = 1; width < 120; ++width) {
+    const int raw_width = 16 + below(random, 60);
+    const int raw_height = 3 + below(random, 20);
+    const int stride = raw_width + below(random, 3);
+    std::vector<std::uint8_t> raw(static_cast<std::size_t>(stride * raw_height));
+    for (auto& v : raw) v = static_cast<std::uint8_t>(width % 3 == 0 ? 255 * below(random, 2) : below(random, 256));
+    const auto n = static_cast<std::size_t>(width);
+    const int blocks = width / RemapRow::kBlock;
+    std::vector<std::int16_t> xs(n), ys(n);
+    std::vector<std::uint8_t> weight_x(n), weight_y(n), at(n);
+    std::vector<RemapRow::Patch> patches(static_cast<std::size_t>(blocks) + 1, {-1, -1});
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t block = i / RemapRow::kBlock;
+      RemapRow::Patch& patch = patches[block];
+      if (i % RemapRow::kBlock == 0 && static_cast<int>(block) < blocks && below(random, 4) != 0) {
+        patch = {static_cast<std::int16_t>(below(random, raw_width - RemapRow::Patch::kWidth + 1)),
+                 static_cast<std::int16_t>(below(random, raw_height - RemapRow::Patch::kHeight + 1))};
+      }
+      weight_x[i] = static_cast<std::uint8_t>(below(random, 65));
+      weight_y[i] = static_cast<std::uint8_t>(below(random, 65));
+      if (static_cast<int>(block) < blocks && patch.x >= 0) {
+        const int column = below(random, RemapRow::Patch::kWidth - 1);
+        const int line = below(random, 2);
+        xs[i] = static_cast<std::int16_t>(patch.x + column);
+        ys[i] = static_cast<std::int16_t>(patch.y + line);
+        at[i] = static_cast<std::uint8_t>(column + 128 * line);
+      } else {
+        xs[i] = static_cast<std::int16_t>(below(random, raw_width) - 1);
+        ys[i] = static_cast<std::int16_t>(xs[i] < 0 ? -1 : below(random, raw_height - 1));
+      }
+    }
+    const RemapRow map{xs.data(), ys.data(), weight_x.data(), weight_y.data(), patches.data(), at.data()};
+    std::vector<std::uint8_t> a(n + 1, 0xCD), b = a;
+    kReference.remap_row(raw.data(), stride, map, width, a.data());
+    tested().remap_row(raw.data(), stride, map, width, b.data());
+    ASSERT_EQ(a, b) << width;
   }
 }
 

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the matcher asks of a vector unit, in the words that SSE, AVX2 and AVX-512 share but for their prefix, which
+// CLIQUEVO_MM puts before them. Included inside the struct of each instruction set.
+
+static Reg either(Reg a, Reg b) { return a | b; }
+static Reg add8(Reg a, Reg b) { return CLIQUEVO_MM(add_epi8)(a, b); }
+static Reg sub8(Reg a, Reg b) { return CLIQUEVO_MM(sub_epi8)(a, b); }
+static Reg add16(Reg a, Reg b) { return CLIQUEVO_MM(add_epi16)(a, b); }
+static Reg min16(Reg a, Reg b) { return CLIQUEVO_MM(min_epu16)(a, b); }
+static Reg broadcast8(const std::uint8_t* p) { return CLIQUEVO_MM(set1_epi8)(static_cast<char>(*p)); }
+static Reg broadcast16(int v) { return CLIQUEVO_MM(set1_epi16)(static_cast<short>(v)); }
+// |a - b| of values below 128.
+static Reg difference(Reg a, Reg b) { return CLIQUEVO_MM(abs_epi8)(CLIQUEVO_MM(sub_epi8)(a, b)); }
+static Reg factor_even(int weight) { return broadcast16(weight); }
+static Reg factor_odd(int weight) { return broadcast16(weight << 8); }
+// even, odd += the even and the odd signed bytes of `change`, times the weight.
+static void accumulate(Reg& even, Reg& odd, Reg change, Reg factor_even, Reg factor_odd) {
+  even = add16(even, CLIQUEVO_MM(maddubs_epi16)(factor_even, change));
+  odd = add16(odd, CLIQUEVO_MM(maddubs_epi16)(factor_odd, change));
+}
