@@ -97,6 +97,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("odometry.disparity_sigma_px", odometry.disparity_sigma_px);
   v.key("odometry.use_key_frame", odometry.use_key_frame);
   v.key("odometry.key_frame_overlap", odometry.key_frame_overlap);
+  v.key("odometry.compensate_calibration", odometry.compensate_calibration);
   v.key("odometry.solver_iterations", odometry.solver_iterations);
   v.key("odometry.huber_sigmas", odometry.huber_sigmas);
   v.key("odometry.trim_sigmas", odometry.trim_sigmas);

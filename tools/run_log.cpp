@@ -107,6 +107,20 @@ json reference_json(const RunReference& reference) {
   return out;
 }
 
+json calibration_json(const vo::CalibrationCheck& c) {
+  return {{"noticeable", c.noticeable()},
+          {"compensated", c.compensated},
+          {"disparity_offset_px", c.disparity_offset_px},
+          {"disparity_offset_sigma_px", c.disparity_offset_sigma_px},
+          {"vertical_px", c.vertical_px},
+          {"vertical_across_px", c.vertical_across_px},
+          {"vertical_down_px", c.vertical_down_px},
+          {"vertical_corner_px", c.vertical_corner_px},
+          {"vertical_sigma_px", c.vertical_sigma_px},
+          {"rotation_deg", three(c.rotation_deg)},
+          {"rotation_sigma_deg", three(c.rotation_sigma_deg)}};
+}
+
 std::string reference_text(const RunReference& reference) {
   const Evaluation e = evaluate(reference.pairs, {});
   std::string out = fmt::format("against      {}: ", reference.name);
@@ -164,6 +178,7 @@ std::string RunLog::summary(double wall_s, const std::optional<RunReference>& re
         "\ninliers      median {:.0f}, least {:.0f}; reprojection error median {:.3f} px, most {:.3f} px",
         spread_of(inliers).median, *std::min_element(inliers.begin(), inliers.end()), error.median, error.max);
   }
+  if (!frames_.empty()) out += "\nself-check   " + vo::describe(frames_.back().estimate.calibration);
   out += "\ntime a frame    median       95 %        max\n";
   for (const Stage& stage : kStages) {
     const Spread s = spread_of(times_ms(frames_, stage));
@@ -199,6 +214,7 @@ std::string RunLog::stats_json(const drivers::SourceInfo& source, const StereoMo
                 {"times_ms", std::move(times)}}},
               {"frames", json::array()}};
   if (reference && reference->pairs.size() >= 2) out["reference"] = reference_json(*reference);
+  if (!frames_.empty()) out["calibration"] = calibration_json(frames_.back().estimate.calibration);
   for (const FrameRecord& frame : frames_) out["frames"].push_back(frame_json(frame));
   // Paths need not be UTF-8; the file must be.
   return out.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";

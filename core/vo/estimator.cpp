@@ -111,7 +111,7 @@ bool Estimator::rivalled(const Frame& reference, const Frame& current, const Com
 }
 
 Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current,
-                              const RigidTransform& predicted, StepTimes& times) {
+                              const RigidTransform& predicted, const SelfCheck& check, StepTimes& times) {
   Comparison out;
   const bool started = first_motion(reference, current, predicted, out, times);
   const std::int64_t start_ns = monotonic_ns();
@@ -122,13 +122,13 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
   if (params_.refine) {
     observations_.clear();
     references_.assign(1, RigidTransform{});
-    tracker_.track(reference, current, out.motion.T_prev_cur, 0, observations_);
+    tracker_.track(reference, current, out.motion.T_prev_cur, 0, check, observations_);
     std::size_t of_key = 0;  // where the key frame's observations begin
     if (key != nullptr && key != &reference) {
       const RigidTransform T_ref_key = reference.T_world_camera.inverse() * key->T_world_camera;
       references_.push_back(T_ref_key);
       of_key = observations_.size();
-      tracker_.track(*key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, observations_);
+      tracker_.track(*key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, check, observations_);
     }
     const Motion refined =
         solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);

@@ -31,7 +31,7 @@ class Estimator {
   // (may be null or equal to reference) is an older frame that joins the solution once the clique has given a first
   // one. Step times are added to `times`.
   Comparison compare(const Frame& reference, const Frame* key, const Frame& current, const RigidTransform& predicted,
-                     StepTimes& times);
+                     const SelfCheck& check, StepTimes& times);
 
  private:
   bool first_motion(const Frame& reference, const Frame& current, const RigidTransform& predicted, Comparison& out,

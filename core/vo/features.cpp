@@ -27,13 +27,14 @@ FeatureDetector::FeatureDetector(const StereoModel& model, const VoParams& param
 }
 
 void FeatureDetector::detect(ImageView<const std::uint8_t> image, ImageView<const std::int16_t> disparity,
-                             ImageView<const std::uint8_t> mask, std::vector<Feature>& features) {
+                             ImageView<const std::uint8_t> mask, double disparity_offset_px,
+                             std::vector<Feature>& features) {
   // Halve the threshold until there is enough to choose from: dark and blurred pictures need less contrast.
   int threshold = params_.corner_threshold;
   for (;;) {
     find_corners(image, threshold);
     suppress_non_maxima();
-    spread(disparity, mask, features);
+    spread(disparity, mask, disparity_offset_px, features);
     if (static_cast<int>(features.size()) >= params_.max_features || threshold <= params_.min_corner_threshold) break;
     threshold = std::max(params_.min_corner_threshold, threshold / 2);
   }
@@ -82,14 +83,15 @@ void FeatureDetector::suppress_non_maxima() {
 
 // Takes the best corner of each cell, then each cell's second best, and so on, until there are enough.
 void FeatureDetector::spread(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask,
-                             std::vector<Feature>& features) {
+                             double disparity_offset_px, std::vector<Feature>& features) {
   for (auto& cell : cells_) cell.clear();
   const int across = (model_.width + params_.cell_px - 1) / params_.cell_px;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Corner& c = corners_[i];
     if (keep_[i] == 0) continue;
     const std::int16_t d = disparity(c.x, c.y);
-    if (d == kUnknownDisparity || d / static_cast<double>(kDisparityScale) + model_.doffs_px <= 0.0) continue;
+    if (d == kUnknownDisparity || d / static_cast<double>(kDisparityScale) + model_.doffs_px <= disparity_offset_px)
+      continue;
     if (!mask.empty() && mask(c.x, c.y) == 0) continue;
     auto& cell = cells_[static_cast<std::size_t>(c.y / params_.cell_px * across + c.x / params_.cell_px)];
     if (cell.size() < cell.capacity()) cell.push_back(c);

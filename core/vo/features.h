@@ -18,6 +18,7 @@ struct Feature {
   int y = 0;
   int score = 0;                                    // FAST: the largest threshold at which it still is a corner
   double disparity_px = 0.0;                        // + doffs > 0
+  double raw_disparity_px = 0.0;                    // as measured, before the calibration's error was taken out
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // w, in the left camera's frame, m
   // Change of disparity per px in x and y: the slant of the surface around it.
   double disparity_dx = 0.0;
@@ -34,7 +35,7 @@ class FeatureDetector {
   // Fills `features` with at most max_features corners of `image` whose disparity is known. mask: 0 = none here; may be
   // empty. The threshold adapts within the call only: the same picture gives the same features, whatever came before.
   void detect(ImageView<const std::uint8_t> image, ImageView<const std::int16_t> disparity,
-              ImageView<const std::uint8_t> mask, std::vector<Feature>& features);
+              ImageView<const std::uint8_t> mask, double disparity_offset_px, std::vector<Feature>& features);
 
  private:
   struct Corner {
@@ -42,7 +43,7 @@ class FeatureDetector {
   };
   void find_corners(ImageView<const std::uint8_t> image, int threshold);
   void suppress_non_maxima();
-  void spread(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask,
+  void spread(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask, double disparity_offset_px,
               std::vector<Feature>& features);
 
   StereoModel model_;

@@ -13,6 +13,16 @@ constexpr double kSlantBand = 2.0;     // px, disparities farther from the featu
 constexpr double kMaxSlant = 0.8;      // change of disparity per px; steeper surfaces are not seen alike by both eyes
 constexpr double kMinDisparity = 0.1;  // px (with doffs): beyond, depth means nothing
 
+// Linear interpolation draws a fit to half pixels: at a fraction a of a pixel its phase is off by about sin(2 pi a).
+// Where to cut the template so that both patches, `shift` apart, are off by the same: a and a + shift lie evenly about
+// a quarter.
+float even_place(double shift) {
+  const double fraction = shift - std::floor(shift + 0.5);  // -0.5 to 0.5
+  return static_cast<float>(0.25 - 0.5 * fraction);
+}
+
+constexpr std::size_t kVerticalStep = 4;  // every so many features tell of the vertical error
+
 // Least-squares plane through the disparities around the feature.
 void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
   double n = 0, sx = 0, sy = 0, sd = 0, sxx = 0, sxy = 0, syy = 0, sxd = 0, syd = 0;
@@ -55,28 +65,61 @@ Tracker::Tracker(const StereoModel& model, const VoParams& params) : model_(mode
   patch_.max_shift_px = params.refine_radius_px;
 }
 
-void Tracker::refine_disparities(ImageView<const std::int16_t> disparity, Frame& frame) const {
+// How much lower a feature is found in the right image: looked for on a part of the features, in turn.
+void Tracker::measure_vertical(SelfCheck& check, const Frame& frame) {
   PatchParams patch = patch_;
-  patch.max_shift_px = 1.5;  // the block matcher is right to a pixel, or wrong altogether
+  patch.max_shift_px = 2.0;
+  const std::size_t step = check.frames() == 0 ? 1 : kVerticalStep;
   Template t;
-  for (Feature& f : frame.features) {
-    measure_slant(disparity, f);
-    if (!cut_template(frame.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch.radius, t)) continue;
+  for (std::size_t i = phase_++ % step; i < frame.features.size(); i += step) {
+    const Feature& f = frame.features[i];
+    const double down = check.vertical_error_px(f.x, f.y);
+    const float dx = even_place(-f.disparity_px);
+    const float dy = even_place(down);
+    const float x = static_cast<float>(f.x) + dx;
+    const float y = static_cast<float>(f.y) + dy;
+    if (!cut_template(frame.left.cview(), x, y, patch.radius, t)) continue;
     Warp warp;
     warp.xx = static_cast<float>(1.0 - f.disparity_dx);
     warp.xy = static_cast<float>(-f.disparity_dy);
     const PatchFit fit = fit_patch(t, frame.right.cview(), static_cast<float>(f.x - f.disparity_px),
-                                   static_cast<float>(f.y), warp, Freedom::row_only, patch);
-    if (!fit.ok) continue;
-    const double d = f.x - static_cast<double>(fit.x);
-    if (d + model_.doffs_px < kMinDisparity) continue;
-    f.disparity_px = d;
-    f.point = model_.triangulate(f.x, f.y, d);
+                                   y + static_cast<float>(down), warp, Freedom::both, patch);
+    if (fit.ok) check.add_vertical(f.x, f.y, static_cast<double>(fit.y) - static_cast<double>(y));
+  }
+  check.update_vertical();
+}
+
+void Tracker::refine_disparities(ImageView<const std::int16_t> disparity, SelfCheck& check, Frame& frame) {
+  PatchParams patch = patch_;
+  patch.max_shift_px = 1.5;  // the block matcher is right to a pixel, or wrong altogether
+  for (Feature& f : frame.features) measure_slant(disparity, f);
+  measure_vertical(check, frame);
+  Template t;
+  for (Feature& f : frame.features) {
+    f.raw_disparity_px = f.disparity_px;
+    if (cut_template(frame.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch.radius, t)) {
+      Warp warp;
+      warp.xx = static_cast<float>(1.0 - f.disparity_dx);
+      warp.xy = static_cast<float>(-f.disparity_dy);
+      const PatchFit fit =
+          fit_patch(t, frame.right.cview(), static_cast<float>(f.x - f.disparity_px),
+                    static_cast<float>(f.y + check.vertical_error_px(f.x, f.y)), warp, Freedom::row_only, patch);
+      if (fit.ok) f.raw_disparity_px = f.x - static_cast<double>(fit.x);
+    }
+  }
+  compensate(check, frame);
+}
+
+void Tracker::compensate(const SelfCheck& check, Frame& frame) const {
+  for (Feature& f : frame.features) {
+    const double d = f.raw_disparity_px - check.disparity_error_px(f.x, f.y);
+    f.disparity_px = std::max(d, kMinDisparity - model_.doffs_px);
+    f.point = model_.triangulate(f.x, f.y, f.disparity_px);
   }
 }
 
 int Tracker::track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
-                   std::vector<Observation>& observations) const {
+                   const SelfCheck& check, std::vector<Observation>& observations) const {
   const RigidTransform T_cur_ref = T_ref_cur.inverse();
   const double reach = params_.refine_radius_px;
   int looked_for = 0;
@@ -126,10 +169,12 @@ int Tracker::track(const Frame& reference, const Frame& current, const RigidTran
     Warp shear;  // gradient of disparity in the new image = (dx, dy) * A^-1
     shear.xx = static_cast<float>(1.0 - (dx * ay.y() - dy * ax.y()) / area);
     shear.xy = static_cast<float>(-(dy * ax.x() - dx * ay.x()) / area);
-    const PatchFit stereo = fit_patch(left, current.right.cview(), fit.x - static_cast<float>(expected_d), fit.y, shear,
-                                      Freedom::row_only, stereo_patch);
+    const double error_d = check.disparity_error_px(fit.x, fit.y);
+    const float row = fit.y + static_cast<float>(check.vertical_error_px(fit.x, fit.y));
+    const PatchFit stereo = fit_patch(left, current.right.cview(), fit.x - static_cast<float>(expected_d + error_d),
+                                      row, shear, Freedom::row_only, stereo_patch);
     if (!stereo.ok) continue;
-    const double d = static_cast<double>(fit.x) - static_cast<double>(stereo.x);
+    const double d = static_cast<double>(fit.x) - static_cast<double>(stereo.x) - error_d;
     if (d + model_.doffs_px < kMinDisparity) continue;
     Observation o;
     o.uvd_ref = {static_cast<double>(f.x), static_cast<double>(f.y), f.disparity_px};

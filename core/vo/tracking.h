@@ -9,6 +9,7 @@
 #include "core/vo/frame.h"
 #include "core/vo/motion.h"
 #include "core/vo/patch.h"
+#include "core/vo/self_check.h"
 #include "core/vo/vo_params.h"
 
 namespace cliquevo::vo {
@@ -19,17 +20,22 @@ class Tracker {
 
   // Replaces the block matcher's disparities of the frame's features by patch alignment between its two eyes, and
   // measures the slant of the surface around each. Features whose patches do not fit keep the block matcher's value.
-  void refine_disparities(ImageView<const std::int16_t> disparity, Frame& frame) const;
+  void refine_disparities(ImageView<const std::int16_t> disparity, SelfCheck& check, Frame& frame);
+  // Corrects the frame's disparities and points for what is known of the calibration's errors by now.
+  void compensate(const SelfCheck& check, Frame& frame) const;
 
   // Appends an observation for each feature of `reference` that is found in `current`; returns how many could be looked
   // for (projected into the image).
   int track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
-            std::vector<Observation>& observations) const;
+            const SelfCheck& check, std::vector<Observation>& observations) const;
 
  private:
+  void measure_vertical(SelfCheck& check, const Frame& frame);
+
   StereoModel model_;
   VoParams params_;
   PatchParams patch_;
+  std::size_t phase_ = 0;
 };
 
 }  // namespace cliquevo::vo

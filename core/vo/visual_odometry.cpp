@@ -33,7 +33,8 @@ struct VisualOdometry::Impl {
         params(params_),
         detector(model_, params_),
         tracker(model_, params_),
-        estimator(model_, params_) {
+        estimator(model_, params_),
+        self_check(model_, params_) {
     for (int i = 0; i < 4; ++i) {
       frames.emplace_back(std::make_unique<Frame>(params));
       frames.back()->left.resize(model.width, model.height);
@@ -53,6 +54,7 @@ struct VisualOdometry::Impl {
   FeatureDetector detector;
   Tracker tracker;
   Estimator estimator;
+  SelfCheck self_check;
   Image<std::uint8_t> mask;
   std::vector<std::unique_ptr<Frame>> frames;
   Frame* current = nullptr;
@@ -87,9 +89,9 @@ void VisualOdometry::Impl::load(const FrameInput& input) {
   current->left.copy_from(input.left);
   current->right.copy_from(input.right);
   detector.detect(params.corner_image == CornerImage::filtered ? input.filtered_left : input.left, input.disparity,
-                  mask.cview(), current->features);
+                  mask.cview(), self_check.disparity_error_px(model.cx_px, model.cy_px), current->features);
   current->descriptors.extract(input.filtered_left, current->features, params.descriptor_window);
-  if (params.refine) tracker.refine_disparities(input.disparity, *current);
+  if (params.refine) tracker.refine_disparities(input.disparity, self_check, *current);
 }
 
 Frame* VisualOdometry::Impl::spare() {
@@ -184,10 +186,13 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
   } else {
     e.prev_stamp_ns = s.valid->stamp_ns;
     const Frame* reference = s.valid;
-    Comparison c = s.estimator.compare(*reference, s.key, *s.current, s.prediction(*reference), e.times);
+    for (Frame* frame : {s.valid, s.key, s.failed}) {
+      if (frame != nullptr && s.params.refine) s.tracker.compensate(s.self_check, *frame);
+    }
+    Comparison c = s.estimator.compare(*reference, s.key, *s.current, s.prediction(*reference), s.self_check, e.times);
     if (c.status != Status::valid && s.failed != nullptr) {
       reference = s.failed;
-      c = s.estimator.compare(*reference, nullptr, *s.current, s.prediction(*reference), e.times);
+      c = s.estimator.compare(*reference, nullptr, *s.current, s.prediction(*reference), s.self_check, e.times);
     }
     e.status = c.status;
     e.matches = c.matches;
@@ -198,12 +203,14 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     e.disparity_offset_px = c.motion.offset_px;
     e.disparity_offset_information = c.motion.offset_information;
     if (c.status == Status::valid) {
+      if (s.params.refine) s.self_check.add_offset(c.motion.offset_px, c.motion.offset_information);
       s.accept(c, *reference);
     } else {
       s.carry_on();
     }
   }
   e.T_world_camera = s.current->T_world_camera;
+  e.calibration = s.self_check.result();
   e.times.total_ns = monotonic_ns() - start_ns;
   return {};
 }
@@ -213,6 +220,7 @@ const Estimate& VisualOdometry::estimate() const { return impl_->estimate; }
 void VisualOdometry::reset() {
   impl_->valid = impl_->key = impl_->failed = nullptr;
   impl_->velocity_ns = 0;
+  impl_->self_check.reset();
   impl_->estimate = {};
 }
 

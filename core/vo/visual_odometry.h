@@ -9,6 +9,7 @@
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
 #include "core/base/time.h"
+#include "core/vo/self_check.h"
 #include "core/vo/vo_params.h"
 
 namespace cliquevo::vo {
@@ -60,10 +61,11 @@ struct Estimate {
   int inliers = 0;                     // that the final solution rests on
   double reprojection_error_px = 0.0;  // RMS over the inliers
   double eigenvalue_ratio = 0.0;       // spread of the inliers in the image, 0 (a line) to 1 (round)
-  // What this frame alone says of an error common to all disparities: how much they seem too large, and the inverse
-  // variance of that figure by noise alone (0: says nothing).
+  // What this frame alone says of an error common to all disparities, as compensated: how much too large, and the
+  // inverse variance of that figure by noise alone (0: says nothing).
   double disparity_offset_px = 0.0;
   double disparity_offset_information = 0.0;
+  CalibrationCheck calibration;  // what is known of its errors up to this frame
   StepTimes times;
 };
 

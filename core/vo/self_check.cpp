@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/vo/self_check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include <Eigen/Cholesky>
+
+namespace cliquevo::vo {
+
+namespace {
+
+constexpr double kVerticalPrior = 1.0;   // px, each term's share of the error at the border
+constexpr double kVerticalSigma = 0.15;  // px, of one feature
+constexpr double kVerticalRobust = 0.4;  // px, a feature farther off counts ever less
+constexpr double kForget = 1.0 / 300.0;  // share of the old knowledge that a frame displaces
+constexpr double kOffsetPrior = 0.5;     // px
+// Consecutive frames see the same features with the same errors: a frame tells less than its noise alone would allow.
+constexpr double kOffsetDeflation = 4.0;
+constexpr double kOffsetFrameSigma = 0.1;      // px, error of one frame's figure that its noise does not show
+constexpr double kOffsetWander = 0.002;        // px a frame: calibrations drift with temperature
+constexpr double kOffsetMostInnovation = 0.5;  // px, of one frame
+// What stays uncertain however long one looks: interpolation, lenses, the model itself.
+constexpr double kVerticalFloor = 0.02;  // px
+constexpr double kOffsetFloor = 0.03;    // px
+// An error larger than both is worth a word.
+constexpr double kNoticeableSigmas = 4.0;
+constexpr double kNoticeableOffset = 0.25;   // px
+constexpr double kNoticeableVertical = 0.5;  // px
+constexpr double kDegrees = 180.0 / 3.14159265358979323846;
+
+}  // namespace
+
+bool CalibrationCheck::noticeable() const {
+  if (frames == 0) return false;
+  return std::abs(disparity_offset_px) > std::max(kNoticeableOffset, kNoticeableSigmas * disparity_offset_sigma_px) ||
+         vertical_corner_px > std::max(kNoticeableVertical, kNoticeableSigmas * vertical_sigma_px);
+}
+
+std::string describe(const CalibrationCheck& c) {
+  char text[512];
+  if (c.frames == 0) return "the calibration is not checked yet";
+  if (!c.noticeable()) {
+    std::snprintf(text, sizeof text,
+                  "the calibration agrees with the images (disparities to %.2f +- %.2f px, rows to %.2f px)",
+                  c.disparity_offset_px, c.disparity_offset_sigma_px, c.vertical_corner_px);
+    return text;
+  }
+  std::snprintf(
+      text, sizeof text,
+      "the calibration is off: disparities are %.2f +- %.2f px too %s and rows differ by up to %.2f px%s; turning "
+      "the right eye by %.3f %.3f %.3f degrees about x y z would mend it; calibrate again",
+      std::abs(c.disparity_offset_px), c.disparity_offset_sigma_px, c.disparity_offset_px > 0.0 ? "large" : "small",
+      c.vertical_corner_px, c.compensated ? " (the odometry corrects for it)" : "", -c.rotation_deg.x(),
+      -c.rotation_deg.y(), -c.rotation_deg.z());
+  return text;
+}
+
+SelfCheck::SelfCheck(const StereoModel& model, const VoParams& params)
+    : model_(model), compensate_(params.compensate_calibration) {
+  reset();
+}
+
+void SelfCheck::reset() {
+  const Terms at_border = terms(model_.cx_px + 0.5 * model_.width, model_.cy_px + 0.5 * model_.height);
+  information_ = (at_border / kVerticalPrior).cwiseAbs2().asDiagonal();
+  weighted_.setZero();
+  vertical_.setZero();
+  fresh_information_.setZero();
+  fresh_weighted_.setZero();
+  fresh_ = 0;
+  offset_px_ = 0.0;
+  offset_variance_ = kOffsetPrior * kOffsetPrior;
+  frames_ = 0;
+}
+
+SelfCheck::Terms SelfCheck::terms(double u_px, double v_px) const {
+  const double x = (u_px - model_.cx_px) / model_.fx_px;
+  const double y = (v_px - model_.cy_px) / model_.fy_px;
+  Terms t;
+  t << 1.0, x, y, x * y, x * x, y * y;
+  return t;
+}
+
+void SelfCheck::add_vertical(double u_px, double v_px, double error_px) {
+  const Terms t = terms(u_px, v_px);
+  const double r = (error_px - t.dot(vertical_)) / kVerticalRobust;
+  const double weight = 1.0 / (kVerticalSigma * kVerticalSigma * (1.0 + r * r));
+  fresh_information_.noalias() += weight * t * t.transpose();
+  fresh_weighted_ += weight * error_px * t;
+  ++fresh_;
+}
+
+void SelfCheck::update_vertical() {
+  if (fresh_ == 0) return;
+  information_ = (1.0 - kForget) * information_ + fresh_information_;
+  weighted_ = (1.0 - kForget) * weighted_ + fresh_weighted_;
+  const Terms solved = information_.ldlt().solve(weighted_);
+  if (solved.allFinite()) vertical_ = solved;
+  fresh_information_.setZero();
+  fresh_weighted_.setZero();
+  fresh_ = 0;
+  ++frames_;
+}
+
+void SelfCheck::add_offset(double residual_px, double information) {
+  if (!(information > 0.0) || !std::isfinite(residual_px)) return;
+  offset_variance_ += kOffsetWander * kOffsetWander;
+  const double variance = kOffsetDeflation / information + kOffsetFrameSigma * kOffsetFrameSigma;
+  const double gain = offset_variance_ / (offset_variance_ + variance);
+  const double innovation = compensate_ ? residual_px : residual_px - offset_px_;
+  offset_px_ += gain * std::clamp(innovation, -kOffsetMostInnovation, kOffsetMostInnovation);
+  offset_variance_ *= 1.0 - gain;
+}
+
+double SelfCheck::vertical_error_px(double u_px, double v_px) const { return terms(u_px, v_px).dot(vertical_); }
+
+double SelfCheck::disparity_error_px(double u_px, double v_px) const {
+  if (!compensate_) return 0.0;
+  // A turn of the right eye about its y, z and x axes.
+  const double x = (u_px - model_.cx_px) / model_.fx_px;
+  const double y = (v_px - model_.cy_px) / model_.fy_px;
+  return offset_px_ * (1.0 + x * x) + y * vertical_[1] - x * y * vertical_[0];
+}
+
+CalibrationCheck SelfCheck::result() const {
+  CalibrationCheck c;
+  c.frames = frames_;
+  c.compensated = compensate_;
+  c.vertical_px = vertical_[0];
+  c.vertical_across_px = vertical_[1] * model_.width / model_.fx_px;
+  c.vertical_down_px = vertical_[2] * model_.height / model_.fy_px;
+  for (const double u : {0.0, model_.width - 1.0}) {
+    for (const double v : {0.0, model_.height - 1.0}) {
+      c.vertical_corner_px = std::max(c.vertical_corner_px, std::abs(vertical_error_px(u, v)));
+    }
+  }
+  const TermsMatrix covariance = information_.ldlt().solve(TermsMatrix::Identity());
+  c.vertical_sigma_px = std::sqrt(covariance(0, 0) + kVerticalFloor * kVerticalFloor);
+  c.disparity_offset_px = offset_px_;
+  c.disparity_offset_sigma_px = std::sqrt(offset_variance_ + kOffsetFloor * kOffsetFloor);
+  const double across = 0.25 * model_.width / model_.fx_px;  // where features are, on average
+  const double slope_floor = kVerticalFloor / across;
+  c.rotation_deg =
+      Eigen::Vector3d(vertical_[0] / model_.fy_px, offset_px_ / model_.fx_px, -vertical_[1] / model_.fy_px);
+  c.rotation_deg *= kDegrees;
+  c.rotation_sigma_deg = Eigen::Vector3d(c.vertical_sigma_px / model_.fy_px, c.disparity_offset_sigma_px / model_.fx_px,
+                                         std::sqrt(covariance(1, 1) + slope_floor * slope_floor) / model_.fy_px);
+  c.rotation_sigma_deg *= kDegrees;
+  return c;
+}
+
+}  // namespace cliquevo::vo

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the rectification leaves over, learned from ordinary driving: the vertical error as a function of the place in
+// the image (from the features of the two eyes), and an error common to all disparities (from what the motion's
+// residuals leave). Needs no target, no stop and no known scene.
+#pragma once
+
+#include <string>
+
+#include <Eigen/Core>
+
+#include "core/base/camera_model.h"
+#include "core/vo/vo_params.h"
+
+namespace cliquevo::vo {
+
+// Errors of the right image against the rectification, with their standard deviations.
+struct CalibrationCheck {
+  int frames = 0;  // that contributed
+  // Row in the right image less row in the left one: at the principal point, and by how much it grows over the whole
+  // width and the whole height of the image; largest error in the four corners.
+  double vertical_px = 0.0;
+  double vertical_across_px = 0.0;
+  double vertical_down_px = 0.0;
+  double vertical_corner_px = 0.0;
+  double vertical_sigma_px = 0.0;
+  // By how much disparities at the principal point are too large.
+  double disparity_offset_px = 0.0;
+  double disparity_offset_sigma_px = 0.0;
+  // The turn of the right eye about its x, y and z axes that would explain these errors.
+  Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotation_sigma_deg = Eigen::Vector3d::Zero();
+  bool compensated = false;  // the odometry corrects for it
+
+  // Plainly there, and large enough to be worth a new calibration.
+  bool noticeable() const;
+};
+
+// One plain sentence, with the suggested correction where one is due.
+std::string describe(const CalibrationCheck& check);
+
+class SelfCheck {
+ public:
+  SelfCheck(const StereoModel& model, const VoParams& params);
+
+  // One feature: where it is in the left image, and how many rows lower it is in the right one. Taken in by the next
+  // update_vertical(), so that the order within a frame does not matter.
+  void add_vertical(double u_px, double v_px, double error_px);
+  void update_vertical();
+  // What one frame's motion says of the disparities as they are used: too large by `residual_px`, with its inverse
+  // variance by noise alone.
+  void add_offset(double residual_px, double information);
+  void reset();
+  int frames() const { return frames_; }
+
+  // Rows by which a place of the left image is expected lower in the right one. Patches are looked for there in any
+  // case; rows are never turned into disparities.
+  double vertical_error_px(double u_px, double v_px) const;
+  // What the odometry takes off a measured disparity; 0 unless it compensates.
+  double disparity_error_px(double u_px, double v_px) const;
+  CalibrationCheck result() const;
+
+ private:
+  static constexpr int kTerms = 6;  // 1, x, y, x y, x^2, y^2 in normalised image coordinates
+  using Terms = Eigen::Matrix<double, kTerms, 1>;
+  using TermsMatrix = Eigen::Matrix<double, kTerms, kTerms>;
+  Terms terms(double u_px, double v_px) const;
+
+  StereoModel model_;
+  bool compensate_ = true;
+  TermsMatrix information_ = TermsMatrix::Zero();  // of the vertical error's coefficients, 1 / px^2
+  Terms weighted_ = Terms::Zero();
+  Terms vertical_ = Terms::Zero();  // the coefficients, px
+  TermsMatrix fresh_information_ = TermsMatrix::Zero();
+  Terms fresh_weighted_ = Terms::Zero();
+  int fresh_ = 0;
+  double offset_px_ = 0.0;
+  double offset_variance_ = 0.0;
+  int frames_ = 0;
+};
+
+}  // namespace cliquevo::vo
