@@ -32,7 +32,6 @@ namespace {
 
 constexpr std::int64_t kTickNs = 100'000'000;      // how often the watchdog is fed
 constexpr std::int64_t kSecondNs = 1'000'000'000;  // health
-constexpr int kRoutePatience_s = 30;
 constexpr std::int64_t kPatienceNs = 5 * kSecondNs;  // for frames on their way once stopping
 
 Result<Config> load(const DaemonOptions& options) {
@@ -79,18 +78,22 @@ struct Output {
   }
 };
 
-// As a service it is started while the network comes up: it waits for a route to appear.
-Result<Publisher> make_publisher(const Config& config, const Signals& signals, Service& service) {
-  auto publisher = Publisher::make(config.lcm, config.T_body_camera);
-  for (int second = 0; !publisher && Service::is_managed() && second < kRoutePatience_s; ++second) {
-    if (second == 0) report(publisher.error());
-    service.status("waiting for a route for LCM messages");
+// As a service it is started while the network comes up, and a vehicle may have none until somebody plugs it in: it
+// waits for a route, and says so. Nothing: asked to stop before there was one.
+Result<std::optional<Publisher>> make_publisher(const Config& config, const Signals& signals, Service& service) {
+  for (bool first = true;; first = false) {
+    auto publisher = Publisher::make(config.lcm, config.T_body_camera);
+    if (publisher) return std::optional<Publisher>(std::move(*publisher));
+    if (!Service::is_managed()) return publisher.error();
+    if (first) {
+      report(publisher.error());
+      service.status("waiting for a route for LCM messages");
+      service.ready();
+    }
     service.feed_watchdog();
     const int signal = signals.wait(kSecondNs);
-    if (signal == SIGTERM || signal == SIGINT) break;
-    publisher = Publisher::make(config.lcm, config.T_body_camera);
+    if (signal == SIGTERM || signal == SIGINT) return std::optional<Publisher>();
   }
-  return publisher;
 }
 
 Result<std::optional<CommandReceiver>> listen(const Config& config, Pipeline& pipeline) {
@@ -193,7 +196,8 @@ int run(const DaemonOptions& options) {
   if (!workshop) return report(workshop.error()), kBadInput;
   auto publisher = make_publisher(*config, signals, service);
   if (!publisher) return report(publisher.error()), kBadInput;
-  Output output{std::move(*publisher), std::nullopt, {}};
+  if (!*publisher) return kDone;
+  Output output{std::move(**publisher), std::nullopt, {}};
   if (!options.trajectory.empty()) {
     auto trajectory = TrajectorySink::open(options.trajectory);
     if (!trajectory) return report(trajectory.error()), kBadInput;

@@ -26,6 +26,7 @@ class Subprocess {
   Subprocess(const Subprocess&) = delete;
   Subprocess& operator=(const Subprocess&) = delete;
 
+  pid_t pid() const { return pid_; }
   void send(int signal) const;
   // Waits for its end; kills it after timeout_s, which shows as exit code 137.
   Finished wait(double timeout_s = 240.0);

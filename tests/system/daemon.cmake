@@ -15,3 +15,10 @@ if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
     SOURCES realtime_calls_test.cpp interpose/interposer.cpp
     LIBRARIES cliquevo_daemon_lib ${CMAKE_DL_LIBS})
 endif()
+# The package and its unit in a booted container.
+if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
+  cliquevo_add_system_test(test_system_service SOURCES service_test.cpp booted_root.cpp
+    LIBRARIES cliquevo_lcmtypes fmt::fmt DEPENDS cliquevod cliquevo cliquevo_base cliquevo_stereo cliquevo_vo)
+  target_compile_definitions(test_system_service PRIVATE
+    CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+endif()
