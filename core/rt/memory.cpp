@@ -6,18 +6,32 @@
 #include <cerrno>
 #include <cstring>
 #include <limits>
+#include <linux/capability.h>
 #include <malloc.h>
 #include <pthread.h>
 #include <sys/mman.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 namespace cliquevo::rt {
 
+namespace {
+
+// Whoever has it is above the limit.
+bool has_lock_capability() {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3] = {};
+  if (::syscall(SYS_capget, &header, data) != 0) return false;
+  return (data[CAP_TO_INDEX(CAP_IPC_LOCK)].effective & CAP_TO_MASK(CAP_IPC_LOCK)) != 0;
+}
+
+}  // namespace
+
 std::string lock_memory() {
   // Under a limit, locking what comes later would make allocations fail instead.
   rlimit limit{};
-  if (::geteuid() != 0 && ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
+  if (!has_lock_capability() && ::getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY) {
     return "locked memory is limited to " + std::to_string(limit.rlim_cur / 1024) + " kB (ulimit -l)";
   }
   // Memory given back to the kernel would fault again when taken anew; so would every block that has a mapping of its

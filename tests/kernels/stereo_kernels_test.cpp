@@ -128,8 +128,10 @@ TEST_P(KernelTest, MatchRowEqualsTheReference) {
       const int tall = std::min(21, 3 + 2 * static_cast<int>(seed % 10));
       compare(tested(), {window, window, window, window, -2, n}, ++seed);
       compare(tested(), {window + 1, 6, window, 5, -2, n}, ++seed);
-      compare(tested(), {n + 2 * window + static_cast<int>(seed % 9), tall, window, tall, 3, n}, ++seed);
-      compare(tested(), {n + 37, window + 2, window, window, -static_cast<int>(seed % 20), n}, ++seed);
+      const int odd = static_cast<int>(seed % 9);
+      compare(tested(), {n + 2 * window + odd, tall, window, tall, 3, n}, ++seed);
+      const int below = static_cast<int>(seed % 20);
+      compare(tested(), {n + 37, window + 2, window, window, -below, n}, ++seed);
     }
   }
 }

@@ -47,8 +47,8 @@ std::string install_package() {
     if (test::run({"which", tool}).exit_code != 0) return std::string("needs ") + tool;
   }
   const std::string packed = folder() + "/package";
-  const Finished pack = Subprocess({"cpack", "-G", "DEB", "--config", std::string(CLIQUEVO_BUILD_DIR) + "/CPackConfig.cmake",
-                                    "-B", packed})
+  const Finished pack = Subprocess({"cpack", "-G", "DEB", "--config",
+                                    std::string(CLIQUEVO_BUILD_DIR) + "/CPackConfig.cmake", "-B", packed})
                             .wait(300.0);
   if (pack.exit_code != 0) return "cpack: " + pack.out + pack.err;
   for (const fs::directory_entry& entry : fs::directory_iterator(packed)) {
@@ -70,7 +70,8 @@ std::unique_ptr<BootedRoot> BootedRoot::boot(bool without_route) {
       "--rlimit=RLIMIT_MEMLOCK=infinity"});
   for (int i = 0; i < 1200; ++i, pause()) {
     const pid_t nspawn = self->nspawn_->pid();
-    const std::string children = first_line("/proc/" + std::to_string(nspawn) + "/task/" + std::to_string(nspawn) + "/children");
+    const std::string children =
+        first_line("/proc/" + std::to_string(nspawn) + "/task/" + std::to_string(nspawn) + "/children");
     self->enter_ = children.substr(0, children.find(' '));
     if (self->enter_.empty()) continue;
     const std::string state = self->run({"systemctl", "is-system-running"}).out;

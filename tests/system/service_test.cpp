@@ -9,11 +9,11 @@
 #include <sys/wait.h>
 #include <thread>
 
+#include <cliquevo/pose_t.hpp>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
 
-#include <cliquevo/pose_t.hpp>
 #include "tests/support/test_data.h"
 #include "tests/system/booted_root.h"
 
@@ -128,7 +128,8 @@ TEST_F(ServiceTest, AHungStageIsRestartedWithPoses) {
   bool gone = false;
   while (!back && seconds_since(begin) < 30.0) {
     int status = 0;
-    if (!gone && ::waitpid(*thread, &status, __WALL | WNOHANG) == *thread) gone = WIFSIGNALED(status) || WIFEXITED(status);
+    if (!gone && ::waitpid(*thread, &status, __WALL | WNOHANG) == *thread)
+      gone = WIFSIGNALED(status) || WIFEXITED(status);
     back = gone && root->property("NRestarts") == "1" && root->property("ActiveState") == "active";
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
