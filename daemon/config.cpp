@@ -322,7 +322,8 @@ Result<void> Config::check() const {
     if (cpu < -1 || cpu > 1023) return own_range(key, "give -1 (any core), or a core from 0 to 1023");
   }
   for (const auto& [key, priority] : {std::pair{"realtime.stereo_priority", realtime.stereo_priority},
-                                      std::pair{"realtime.odometry_priority", realtime.odometry_priority}}) {
+                                      std::pair{"realtime.odometry_priority", realtime.odometry_priority},
+                                      std::pair{"realtime.output_priority", realtime.output_priority}}) {
     if (priority < 0 || priority > 99) return own_range(key, "give 0 (ordinary), or 1 to 99");
   }
   if (auto ok = in_section("stereo", stereo.check()); !ok) return ok;

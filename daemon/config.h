@@ -43,6 +43,7 @@ struct RealtimeConfig {
   int odometry_cpu = -1;       //
   int stereo_priority = 50;    // SCHED_FIFO, 1 to 99; 0 = ordinary time sharing
   int odometry_priority = 50;  //
+  int output_priority = 30;    // below them: sending may block
 };
 
 // How the camera sits on the vehicle: rectified left camera in the body frame (X forward, Y left, Z up). All zero: at

@@ -121,6 +121,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("realtime.odometry_cpu", c.realtime.odometry_cpu);
   v.key("realtime.stereo_priority", c.realtime.stereo_priority);
   v.key("realtime.odometry_priority", c.realtime.odometry_priority);
+  v.key("realtime.output_priority", c.realtime.output_priority);
 
   v.key("body.translation_m", c.body.translation_m);
   v.key("body.roll_pitch_yaw_deg", c.body.roll_pitch_yaw_deg);

@@ -30,8 +30,8 @@ namespace cliquevo::daemon {
 
 namespace {
 
-constexpr std::int64_t kTickNs = 100'000'000;      // how often the watchdog is fed
-constexpr std::int64_t kSecondNs = 1'000'000'000;  // health
+constexpr std::int64_t kTickNs = 100'000'000;        // how often the watchdog is fed
+constexpr std::int64_t kSecondNs = 1'000'000'000;    // health
 constexpr std::int64_t kPatienceNs = 5 * kSecondNs;  // for frames on their way once stopping
 
 Result<Config> load(const DaemonOptions& options) {
@@ -221,6 +221,7 @@ int run(const DaemonOptions& options) {
   pipeline_options.stereo.fifo_priority = config->realtime.stereo_priority;
   pipeline_options.odometry.cpu = config->realtime.odometry_cpu;
   pipeline_options.odometry.fifo_priority = config->realtime.odometry_priority;
+  pipeline_options.output.fifo_priority = config->realtime.output_priority;
   const std::string description = info.description;
   auto pipeline = Pipeline::start(pipeline_options, std::move(work), std::move(*source));
   if (!pipeline) return report(pipeline.error()), kBadInput;

@@ -293,7 +293,7 @@ Result<Pipeline> Pipeline::start(const PipelineOptions& options, PipelineWork wo
 
   // Consumers first: whoever is started finds the next one there.
   const std::array<std::pair<rt::ThreadOptions, void (Impl::*)()>, 4> roles{{
-      {rt::ThreadOptions{.name = "vo-output"}, &Impl::output},
+      {options.output, &Impl::output},
       {options.odometry, &Impl::odometry},
       {options.stereo, &Impl::stereo},
       {rt::ThreadOptions{.name = "vo-grab"}, &Impl::grab},

@@ -23,6 +23,7 @@ struct PipelineOptions {
   bool errors_are_final = true;  // of the source and of single frames: end with it (recordings), or count and go on
   rt::ThreadOptions stereo{.name = "vo-stereo"};
   rt::ThreadOptions odometry{.name = "vo-odometry"};
+  rt::ThreadOptions output{.name = "vo-output"};
 };
 
 // What the two working threads do; the daemon gives the stages of stages.h.
