@@ -13,7 +13,7 @@ void StripMatcher::prepare(const StereoParams& params, int width) {
   neutral_.assign(n, static_cast<std::uint8_t>(params.prefilter_cap));
   texture_columns_.resize(n);
   texture_.resize(n);
-  right_best_.resize(n + 1);
+  right_best_.resize(2 * n);
   astray_.resize(n);
 }
 
@@ -31,24 +31,6 @@ void StripMatcher::sum_texture(const kernels::Table& kernel, const StereoParams&
     kernel.texture_columns(row(y + rows), row(y - rows - 1), neutral, filtered.width, texture_columns_.data());
   }
   kernel.texture_sums(texture_columns_.data(), filtered.width, params.window / 2, texture_.data());
-}
-
-// Each right pixel's best partner among the left pixels that chose it; of equal costs the right-most.
-void StripMatcher::cross_check(int width) {
-  const kernels::MatchRow row{found_.view().data};
-  const std::int16_t* const disparity = row.disparity();
-  const std::uint16_t* const best = row.best();
-  std::uint32_t* const partner = right_best_.data();
-  std::fill(right_best_.begin(), right_best_.end(), UINT32_MAX);
-  const auto match = [=](int x) { return disparity[x] == kUnknownDisparity ? width : x - disparity[x]; };
-  for (int x = 0; x < width; ++x) {
-    const std::uint32_t mine = static_cast<std::uint32_t>(best[x]) << 16 | static_cast<std::uint32_t>(0xFFFF - x);
-    std::uint32_t& slot = partner[match(x)];
-    slot = mine < slot ? mine : slot;
-  }
-  for (int x = 0; x < width; ++x) {
-    astray_[x] = static_cast<std::int16_t>(0xFFFF - x - static_cast<int>(partner[match(x)] & 0xFFFF));
-  }
 }
 
 void StripMatcher::match(const kernels::Table& kernel, const StereoParams& params, const MatchingPair& pair,
@@ -75,7 +57,9 @@ void StripMatcher::match(const kernels::Table& kernel, const StereoParams& param
     job.first = y == begin;
     kernel.match_row(job);
     if (params.texture_threshold > 0) sum_texture(kernel, params, y, filtered, job.first);
-    if (params.left_right_tolerance >= 0) cross_check(job.width);
+    if (params.left_right_tolerance >= 0) {
+      kernel.cross_check({job.out, job.width, right_best_.data(), astray_.data()});
+    }
     kernel.finish_row({job.out, astray_.data(), texture_.data(), job.width, params.uniqueness_percent,
                        params.texture_threshold * params.window * params.window_height, params.left_right_tolerance},
                       disparity.row(y));

@@ -23,15 +23,14 @@ class StripMatcher {
  private:
   void sum_texture(const kernels::Table& kernel, const StereoParams& params, int y,
                    ImageView<const std::uint8_t> filtered, bool first);
-  void cross_check(int width);
 
   Image<std::uint8_t> columns_;
   Image<std::uint16_t> costs_;
   Image<std::uint16_t> found_;
   std::vector<std::uint8_t> neutral_;  // a row without texture
   std::vector<std::uint16_t> texture_columns_, texture_;
-  std::vector<std::uint32_t> right_best_;  // cost and left column of each right pixel's best partner; then one for all
-  std::vector<std::int16_t> astray_;       // px from each pixel to its match's best partner
+  std::vector<std::uint32_t> right_best_;  // see kernels::CrossCheck
+  std::vector<std::int16_t> astray_;
 };
 
 }  // namespace cliquevo::stereo

@@ -134,10 +134,19 @@ struct SmoothRow {
 // 32768 / n: means without a division. One value alone has no difference to share out.
 inline constexpr std::int32_t kReciprocals[8] = {0, 32767, 16384, 10923, 8192, 6554, 5461, 4681};
 
+// The left-right check of a row: each right pixel's best partner among the left pixels that chose it, of equal costs
+// the right-most one; for each left pixel how far from it that of its match is.
+struct CrossCheck {
+  MatchRow found;
+  int width;
+  std::uint32_t* partner;  // 2 * width: cost << 16 | 65535 - column
+  std::int16_t* astray;    // px; anything where nothing was found
+};
+
 // From costs to a sub-pixel disparity, or unknown where a test fails.
 struct FinishRow {
   MatchRow found;
-  const std::int16_t* astray;    // px from a pixel to the one that its match likes best
+  const std::int16_t* astray;    // see CrossCheck
   const std::uint16_t* texture;  // sum over the window
   int width;
   int uniqueness_percent;    // 0 = off
@@ -171,6 +180,7 @@ struct Table {
                           std::uint16_t* columns);
   // out[x] = sum of columns[x - radius .. x + radius], for x in [radius, width - radius)
   void (*texture_sums)(const std::uint16_t* columns, int width, int radius, std::uint16_t* out);
+  void (*cross_check)(const CrossCheck& in);
   void (*finish_row)(const FinishRow& in, std::int16_t* out);
   void (*link_row)(const LinkRow& in);
   void (*smooth_row)(const SmoothRow& in, int width, std::int16_t* out);
@@ -194,6 +204,7 @@ void remap_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& m
 void prefilter_left(const PrefilterRow& in, Channels channels, int y, int cap, std::uint8_t* filtered,
                     std::uint8_t* matching);
 void prefilter_right(const PrefilterRow& in, std::uint8_t* horizontal, std::uint8_t* vertical);
+void cross_check(const CrossCheck& in);
 void finish_row(const FinishRow& in, std::int16_t* out);
 void texture_columns(const std::uint8_t* added, const std::uint8_t* removed, int neutral, int width,
                      std::uint16_t* columns);

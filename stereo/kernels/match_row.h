@@ -56,12 +56,19 @@ struct RowMatcher {
   static constexpr int kCells = kPadded + kPadded / 2;  // keys of a pixel, then the smaller of each pair
   using WinnerTable = Winners<kBytes, kPadded>;
 
-  const MatchJob& job;
+  const MatchJob job;
   const int radius = job.window / 2;
   const int last = job.min_disparity + job.num_disparities - 1;
   std::uint8_t* const columns = job.columns + kPadded;  // a column of zeros comes first
   std::uint16_t* const elements = job.costs;            // e of each key, for masks
   std::uint16_t* const ring = elements + kPadded;       // keys of two blocks of pixels
+
+  // Kept beside the job: stores of costs might change it, for all that the compiler knows.
+  std::uint32_t* const found = job.out.found();
+  std::uint16_t* const nearer = job.out.above();
+  std::uint16_t* const farther = job.out.below();
+  std::uint16_t* const beyond = job.out.beyond();
+  std::uint16_t* const second = job.out.second();
 
   explicit RowMatcher(const MatchJob& j) : job(j) {}
 
@@ -143,7 +150,7 @@ struct RowMatcher {
       V::store(key + kPadded + v * kKeys, pairs);
       least = v == 0 ? pairs : V::min16(least, pairs);
     }
-    job.out.found()[x] = V::minimum(least);  // key, lane << 16
+    found[x] = V::minimum(least);  // key, lane << 16
   }
 
   // The second look, a block later: the neighbours of each winner and the smallest of the other keys. It waits for the
@@ -152,15 +159,15 @@ struct RowMatcher {
     static constexpr WinnerTable kWinners;
     static constexpr TwoOut kTwoOut;
     for (int i = 0; i < kBlock; ++i, key += kCells) {
-      const std::uint32_t found = job.out.found()[x + i];
-      const auto& winner = kWinners.at[(found >> 16) * kWeight + (found & (kWeight - 1))];
+      const std::uint32_t won = found[x + i];
+      const auto& winner = kWinners.at[(won >> 16) * kWeight + (won & (kWeight - 1))];
       const auto at = [key](std::uint16_t offset) {
         return *reinterpret_cast<const std::uint16_t*>(reinterpret_cast<const char*>(key) + offset);
       };
-      job.out.above()[x + i] = at(winner.nearer);
-      job.out.below()[x + i] = at(winner.farther);
+      nearer[x + i] = at(winner.nearer);
+      farther[x + i] = at(winner.farther);
       if (!job.second) continue;
-      job.out.beyond()[x + i] = at(winner.beyond);
+      beyond[x + i] = at(winner.beyond);
       const std::uint16_t* two = kTwoOut.slid(winner.pair);
       Reg least{};
 #pragma GCC unroll 16
@@ -168,7 +175,7 @@ struct RowMatcher {
         const Reg others = V::either(V::load(key + kPadded + v * kKeys), V::load(two + v * kKeys));
         least = v == 0 ? others : V::min16(least, others);
       }
-      job.out.second()[x + i] = static_cast<std::uint16_t>(V::minimum(least));
+      second[x + i] = static_cast<std::uint16_t>(V::minimum(least));
     }
   }
 
@@ -235,18 +242,13 @@ struct RowMatcher {
   void decode(int begin, int end) const {
     std::int16_t* const disparity = job.out.disparity();
     std::uint16_t* const best = job.out.best();
-    std::uint16_t* const below = job.out.below();
-    std::uint16_t* const above = job.out.above();
-    std::uint16_t* const second = job.out.second();
-    const std::uint32_t* const found = job.out.found();
-    const std::uint16_t* const beyond = job.out.beyond();
     constexpr int kShift = __builtin_ctz(static_cast<unsigned>(kWeight));
     for (int x = 0; x < begin; ++x) disparity[x] = kUnknownDisparity;
     for (int x = end; x < job.width; ++x) disparity[x] = kUnknownDisparity;
-    const int nearest = last;
+    const int highest = last;
     const int lowest = job.min_disparity;
-    const int farthest_left = radius;
-    const int farthest_right = radius - job.width + 1;
+    const int left_limit = radius;
+    const int right_limit = radius - job.width + 1;
 #if defined(__clang__)
 #pragma clang loop vectorize(assume_safety)
 #else
@@ -256,13 +258,13 @@ struct RowMatcher {
       const int key = static_cast<int>(found[x] & 0xFFFF);
       const int place = key & (kWeight - 1);
       const int lane = static_cast<int>(found[x] >> 16);
-      const int d = nearest - ((place >> 1) * 16 + 2 * lane + (place & 1));
-      const int high = x - farthest_left < nearest ? x - farthest_left : nearest;
-      const int low = x + farthest_right > lowest ? x + farthest_right : lowest;
+      const int d = highest - ((place >> 1) * 16 + 2 * lane + (place & 1));
+      const int high = x - left_limit < highest ? x - left_limit : highest;
+      const int low = x + right_limit > lowest ? x + right_limit : lowest;
       disparity[x] = static_cast<std::int16_t>(d > low && d < high ? d : kUnknownDisparity);
       best[x] = static_cast<std::uint16_t>(key >> kShift);
-      below[x] = static_cast<std::uint16_t>(below[x] >> kShift);
-      above[x] = static_cast<std::uint16_t>(above[x] >> kShift);
+      farther[x] = static_cast<std::uint16_t>(farther[x] >> kShift);
+      nearer[x] = static_cast<std::uint16_t>(nearer[x] >> kShift);
       second[x] = static_cast<std::uint16_t>((second[x] < beyond[x] ? second[x] : beyond[x]) >> kShift);
     }
   }

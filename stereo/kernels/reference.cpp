@@ -130,6 +130,25 @@ void match_row(const MatchJob& job) {
   }
 }
 
+}  // namespace
+
+void cross_check(const CrossCheck& in) {
+  const std::int16_t* disparity = in.found.disparity();
+  const std::uint16_t* best = in.found.best();
+  std::fill(in.partner, in.partner + in.width, UINT32_MAX);
+  for (int x = 0; x < in.width; ++x) {
+    if (disparity[x] == kUnknownDisparity) continue;
+    std::uint32_t& partner = in.partner[x - disparity[x]];
+    partner = std::min(partner, static_cast<std::uint32_t>(best[x]) << 16 | static_cast<std::uint32_t>(0xFFFF - x));
+  }
+  for (int x = 0; x < in.width; ++x) {
+    if (disparity[x] == kUnknownDisparity) continue;
+    in.astray[x] = static_cast<std::int16_t>(0xFFFF - x - static_cast<int>(in.partner[x - disparity[x]] & 0xFFFF));
+  }
+}
+
+namespace {
+
 // Round to nearest, ties to even, as every vector unit does it: no libm, the same bits everywhere.
 int round_to_int(float v) {
   constexpr float kMagic = 12582912.0F;  // 1.5 * 2^23
@@ -220,6 +239,7 @@ constinit const Table kReference{Isa::reference,
                                  reference::match_row,
                                  reference::texture_columns,
                                  reference::texture_sums,
+                                 reference::cross_check,
                                  reference::finish_row,
                                  reference::link_row,
                                  reference::smooth_row};

@@ -105,6 +105,36 @@ struct RowKernels {
     });
   }
 
+  // Each pixel's match is found in vectors, what the matches like best one by one, but without a branch.
+  static void cross_check(const CrossCheck& given) {
+    if (given.width < kWords) return reference::cross_check(given);
+    static constexpr Rising kRising;
+    const int width = given.width;
+    const std::int16_t* const disparity = given.found.disparity();
+    const std::uint16_t* const best = given.found.best();
+    std::uint32_t* const partner = given.partner;
+    std::int16_t* const match = given.astray;
+    const Reg unknown = V::broadcast16(kUnknownDisparity);
+    const Reg nowhere = V::broadcast16(-width);  // each of those has a place of its own behind the row
+    const Reg rising = V::load(kRising.words);
+    cover(0, width, [&](int x) {
+      const Reg d = V::load(disparity + x);
+      const Reg moved = V::select(V::equal16(d, unknown), nowhere, d);
+      V::store(match + x, V::sub16(V::add16(rising, V::broadcast16(x)), moved));
+    });
+    const Reg nobody = V::broadcast16(-1);
+    cover(0, 2 * width, [&](int i) { V::store(reinterpret_cast<std::uint16_t*>(partner) + i, nobody); });
+    for (int x = 0; x < width; ++x) {
+      const std::uint32_t mine = static_cast<std::uint32_t>(best[x]) << 16 | static_cast<std::uint32_t>(0xFFFF - x);
+      const std::uint32_t other = partner[static_cast<std::uint16_t>(match[x])];
+      partner[static_cast<std::uint16_t>(match[x])] = mine < other ? mine : other;
+    }
+    for (int x = 0; x < width; ++x) {
+      match[x] = static_cast<std::int16_t>(0xFFFF - x -
+                                           static_cast<int>(partner[static_cast<std::uint16_t>(match[x])] & 0xFFFF));
+    }
+  }
+
   static void finish_row(const FinishRow& given, std::int16_t* out) {
     const FinishRow in = given;
     if (in.width < kWords) return reference::finish_row(in, out);
@@ -205,6 +235,12 @@ struct RowKernels {
     });
   }
 
+  struct Rising {
+    std::int16_t words[kWords];
+    constexpr Rising() : words() {
+      for (int i = 0; i < kWords; ++i) words[i] = static_cast<std::int16_t>(i);
+    }
+  };
   struct Alternating {
     std::int16_t words[kWords + 1];
     constexpr Alternating() : words() {
@@ -261,6 +297,7 @@ constexpr Table vector_table(Isa isa, void (*match_row)(const MatchJob&)) {
           match_row,
           Rows::texture_columns,
           Rows::texture_sums,
+          Rows::cross_check,
           Rows::finish_row,
           Rows::link_row,
           Rows::smooth_row};

@@ -216,6 +216,33 @@ TEST_P(KernelTest, FinishingEqualsTheReference) {
   }
 }
 
+TEST_P(KernelTest, TheLeftRightCheckEqualsTheReference) {
+  std::mt19937 random(9);
+  static Found cells;
+  for (int width = 1; width < 160; ++width) {
+    const MatchRow row = cells.row();
+    int d = 0;
+    for (int x = 0; x < width; ++x) {
+      if (below(random, 1 + width % 20) == 0) d = below(random, 40) - 10;
+      const bool inside = x - d >= 0 && x - d < width;
+      row.disparity()[x] =
+          inside && below(random, 1 + width % 30) != 0 ? static_cast<std::int16_t>(d) : kUnknownDisparity;
+      row.best()[x] = static_cast<std::uint16_t>(below(random, 16384));
+    }
+    const auto n = static_cast<std::size_t>(width);
+    std::vector<std::uint32_t> partner_a(2 * n + 1, 7), partner_b(2 * n + 1, 7);
+    std::vector<std::int16_t> a(n + 1, 99), b = a;
+    kReference.cross_check({row, width, partner_a.data(), a.data()});
+    tested().cross_check({row, width, partner_b.data(), b.data()});
+    for (int x = 0; x < width; ++x) {
+      if (row.disparity()[x] == kUnknownDisparity) continue;
+      ASSERT_EQ(a[x], b[x]) << x << " of " << width;
+    }
+    ASSERT_EQ(b[n], 99);
+    ASSERT_EQ(partner_b[2 * n], 7U);
+  }
+}
+
 TEST_P(KernelTest, LinkingEqualsTheReference) {
   std::mt19937 random(7);
   for (int width = 1; width < 300; ++width) {
