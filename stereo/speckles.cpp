@@ -24,6 +24,7 @@ std::int32_t SpeckleFilter::root(std::int32_t i) {
 }
 
 void SpeckleFilter::join(std::int32_t a, std::int32_t b) {
+  if (runs_[a].parent == runs_[b].parent) return;
   a = root(a);
   b = root(b);
   if (a == b) return;

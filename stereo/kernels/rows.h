@@ -52,7 +52,7 @@ struct RowKernels {
                              std::uint8_t* matching) {
     const PrefilterRow in = given;
     const int last = in.width - 1;
-    if (last - 1 < kWords) return reference::prefilter_left(in, channels, y, cap, filtered, matching);
+    if (last - 1 < kWords) return reference::prefilter_left(given, channels, y, cap, filtered, matching);
     const CurveRegs curve(in.curve);
     const Reg high = V::broadcast16(cap);
     const Reg low = V::broadcast16(-cap);
@@ -72,7 +72,7 @@ struct RowKernels {
   static void prefilter_right(const PrefilterRow& given, std::uint8_t* horizontal, std::uint8_t* vertical) {
     const PrefilterRow in = given;
     const int last = in.width - 1;
-    if (last - 1 < kWords) return reference::prefilter_right(in, horizontal, vertical);
+    if (last - 1 < kWords) return reference::prefilter_right(given, horizontal, vertical);
     const CurveRegs curve(in.curve);
     horizontal[0] = horizontal[last] = vertical[0] = vertical[last] = static_cast<std::uint8_t>(in.curve.range);
     cover(1, last, [&](int x) {
@@ -137,7 +137,7 @@ struct RowKernels {
 
   static void finish_row(const FinishRow& given, std::int16_t* out) {
     const FinishRow in = given;
-    if (in.width < kWords) return reference::finish_row(in, out);
+    if (in.width < kWords) return reference::finish_row(given, out);
     const Reg unknown = V::broadcast16(kUnknownDisparity);
     const Reg one = V::broadcast16(1);
     const Reg scale = V::broadcast16(kDisparityScale);
@@ -211,7 +211,7 @@ struct RowKernels {
 
   static void smooth_row(const SmoothRow& given, int width, std::int16_t* out) {
     const SmoothRow in = given;
-    if (width < kWords) return reference::smooth_row(in, width, out);
+    if (width < kWords) return reference::smooth_row(given, width, out);
     const Reg unknown = V::broadcast16(kUnknownDisparity);
     const Reg reach = V::broadcast16(in.reach);
     const Reg scale = V::broadcast16(in.scale);
@@ -264,7 +264,7 @@ void remap_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& g
   for (; x + RemapRow::kBlock <= width; x += RemapRow::kBlock) {
     const RemapRow::Patch patch = map.patches[x / RemapRow::kBlock];
     if (patch.x < 0) {
-      reference::remap_row(raw, stride, map, x, x + RemapRow::kBlock, out);
+      reference::remap_row(raw, stride, given, x, x + RemapRow::kBlock, out);
       continue;
     }
     const std::uint8_t* corner = raw + patch.y * stride + patch.x;
@@ -284,7 +284,7 @@ void remap_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& g
     const Reg share = V::mul16_high(V::add16(rise, rise), V::interleave(V::zero(), V::load_half(map.weight_y + x)));
     V::store_bytes(out + x, V::shift_right(V::add16(V::add16(top, share), half), 6));
   }
-  reference::remap_row(raw, stride, map, x, width, out);
+  reference::remap_row(raw, stride, given, x, width, out);
 }
 
 template <typename V, typename Narrow>

@@ -16,6 +16,7 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "drivers/simulator.h"
 #include "stereo/dense_stereo.h"
@@ -81,11 +82,12 @@ std::vector<Group> recorded_groups() {
 }
 
 Result<Group> simulated_group(int frames) {
+  constexpr int kApart = 10;  // frames of the course
   Group group{"simulator", 64, {}};
   for (const std::uint64_t seed : {1, 2, 3}) {
     drivers::SimulatorOptions options;
-    options.frames = frames;
-    options.every = 10;
+    options.frames = frames * kApart;
+    options.every = kApart;
     options.world_seed = seed;
     options.noise_seed = seed;
     auto simulator = drivers::open_simulator(options);
@@ -232,14 +234,49 @@ std::vector<Candidate> candidates() {
   return list;
 }
 
+// Left image, disparity (near red, far blue) and error (green to 0.5 px, yellow to 1, orange to 3, red beyond) of the
+// first pair of each simulated world; black is unknown.
+cv::Mat gallery(const Group& simulated, const Matcher& match, int frames_a_world) {
+  cv::Mat all;
+  for (std::size_t i = 0; i < simulated.pairs.size(); i += static_cast<std::size_t>(frames_a_world)) {
+    const Pair& pair = simulated.pairs[i];
+    const cv::Mat disparity = match(pair, simulated.disparities);
+    cv::Mat left, near, grey, error(disparity.size(), CV_8UC3, cv::Scalar::all(0));
+    cv::cvtColor(pair.left, left, cv::COLOR_GRAY2BGR);
+    disparity.convertTo(grey, CV_8U, 255.0 / (16.0 * simulated.disparities));
+    cv::applyColorMap(grey, near, cv::COLORMAP_TURBO);
+    near.setTo(cv::Scalar::all(0), disparity < 0);
+    for (int y = 0; y < disparity.rows; ++y) {
+      for (int x = 0; x < disparity.cols; ++x) {
+        const int d = disparity.at<std::int16_t>(y, x);
+        const double truth = pair.truth.at<float>(y, x);
+        if (d < 0 || !(truth > 0.0)) continue;
+        const double off = std::abs(d / 16.0 - truth);
+        auto& pixel = error.at<cv::Vec3b>(y, x);
+        pixel = off <= 0.5   ? cv::Vec3b(80, 160, 60)
+                : off <= 1.0 ? cv::Vec3b(60, 220, 240)
+                : off <= 3.0 ? cv::Vec3b(30, 140, 250)
+                             : cv::Vec3b(40, 40, 220);
+      }
+    }
+    cv::Mat row;
+    cv::hconcat(std::vector<cv::Mat>{left, near, error}, row);
+    all.push_back(row);
+  }
+  cv::Mat small;
+  cv::resize(all, small, {}, 0.5, 0.5, cv::INTER_AREA);
+  return small;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app{"Disparities beside the truth: every switch alone, and OpenCV's matchers"};
-  std::string file, table, only;
+  std::string file, table, only, picture;
   int frames = 4;
   app.add_option("--json", file, "Write the results here");
   app.add_option("--table", table, "Write them here as a Markdown table as well");
+  app.add_option("--gallery", picture, "Also a picture of what the shipped settings make of the simulated worlds");
   app.add_option("--only", only, "Candidates whose name contains this");
   app.add_option("--frames", frames, "Simulated frames a world")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
@@ -248,6 +285,10 @@ int main(int argc, char** argv) {
   auto simulated = simulated_group(frames);
   if (!simulated) return tools::report(simulated.error());
   groups.push_back(std::move(*simulated));
+  const std::vector<Candidate> all = candidates();
+  if (!picture.empty() && !cv::imwrite(picture, gallery(groups.back(), all.front().match, frames))) {
+    return tools::report({"cannot write the picture", picture, "check the folder and its rights"});
+  }
 
   std::string head = "| |", rule = "| --- |";
   for (const Group& group : groups) {
@@ -257,7 +298,7 @@ int main(int argc, char** argv) {
   std::string text = head + "\n" + rule + "\n";
   fmt::print("{}", text);
   json results = json::array();
-  for (const Candidate& candidate : candidates()) {
+  for (const Candidate& candidate : all) {
     if (candidate.name.find(only) == std::string::npos) continue;
     std::string line = "| " + candidate.name + " |";
     json row{{"candidate", candidate.name}};
