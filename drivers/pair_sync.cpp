@@ -15,6 +15,10 @@ constexpr double kInPhase = 0.4;               // periods: beyond it a number of
 constexpr std::int64_t kDriftFrames = 1000;    // base of the drift's estimate ...
 constexpr std::int64_t kDriftRestart = 20000;  // ... which begins anew now and then, as drift changes with warmth
 
+// Arrivals scatter by +-0.4 periods: frames of different exposures, whole periods apart, are never nearer than this.
+constexpr double kTogether = 0.2;
+constexpr std::size_t kMostUnnumbered = 4;
+
 Eye other(Eye eye) { return eye == Eye::left ? Eye::right : Eye::left; }
 
 }  // namespace
@@ -34,7 +38,10 @@ Result<void> PairSyncOptions::check() const {
 
 PairSync::PairSync(const PairSyncOptions& options)
     : options_(options), period_ns_(1e9 / options.rate_hz), sides_{Side(period_ns_), Side(period_ns_)} {
-  for (Side& s : sides_) s.waiting.reserve(kMostWaiting + 1);
+  for (Side& s : sides_) {
+    s.waiting.reserve(kMostWaiting + 1);
+    s.unnumbered.reserve(kMostUnnumbered + 1);
+  }
 }
 
 void PairSync::release(Eye eye, const Waiting& frame, SyncLoss why, SyncOutcome& outcome) {
@@ -59,6 +66,70 @@ void PairSync::release(Eye eye, const Waiting& frame, SyncLoss why, SyncOutcome&
 void PairSync::release_all(Eye eye, SyncLoss why, SyncOutcome& outcome) {
   for (const Waiting& frame : side(eye).waiting) release(eye, frame, why, outcome);
   side(eye).waiting.clear();
+}
+
+// Removes a frame that was paired, and hands back the older ones of its eye.
+void PairSync::take_out(Eye eye, const Waiting& frame, SyncOutcome& outcome) {
+  Side& s = side(eye);
+  if (frame.numbered) {
+    release_below(eye, frame.index, outcome);
+    if (!s.waiting.empty() && s.waiting.front().token == frame.token) s.waiting.erase(s.waiting.begin());
+    s.any_paired = true;
+    s.last_paired = frame.index;
+  }
+  const auto gone = [&](const Waiting& w) {
+    if (w.token == frame.token) return true;
+    if (w.stamp_ns > frame.stamp_ns) return false;
+    release(eye, w, SyncLoss::uncertain, outcome);
+    return true;
+  };
+  s.unnumbered.erase(std::remove_if(s.unnumbered.begin(), s.unnumbered.end(), gone), s.unnumbered.end());
+}
+
+// On a shared clock: the partner that has the same stamp, if it also came at the same time. A clock that is shared by
+// name alone brings it whole periods apart, and so does a late frame: with the first such case this way is closed, and
+// the clocks must have been learnt.
+bool PairSync::pair_by_stamp(Eye eye, const Waiting& frame, SyncOutcome& outcome) {
+  if (!options_.shared_clock || contradicted_) return false;
+  const auto is_partner = [&](const Waiting& w) {
+    return std::abs(static_cast<double>(w.stamp_ns) - static_cast<double>(frame.stamp_ns)) <=
+           options_.tolerance * period_ns_;
+  };
+  const Side& theirs = side(other(eye));
+  const Waiting* found = nullptr;
+  for (const std::vector<Waiting>* list : {&theirs.waiting, &theirs.unnumbered}) {
+    const auto w = std::find_if(list->begin(), list->end(), is_partner);
+    if (w != list->end()) found = &*w;
+  }
+  if (found == nullptr) return false;
+  const Waiting partner = *found;
+  if (std::abs(static_cast<double>(partner.arrival_ns - frame.arrival_ns)) > kTogether * period_ns_) {
+    contradicted_ = true;
+    return false;
+  }
+  const Waiting& left = eye == Eye::left ? frame : partner;
+  const Waiting& right = eye == Eye::left ? partner : frame;
+  if (last_stamp_ns_ && left.stamp_ns <= *last_stamp_ns_) return false;
+  take_out(Eye::left, left, outcome);
+  take_out(Eye::right, right, outcome);
+  last_stamp_ns_ = left.stamp_ns;
+  outcome.pairs.push_back({left.token, right.token, left.stamp_ns, right.stamp_ns - left.stamp_ns});
+  for (Side& s : sides_) ++s.counts.paired;
+  return true;
+}
+
+void PairSync::keep_unnumbered(Eye eye, const Waiting& frame, SyncOutcome& outcome) {
+  std::vector<Waiting>& list = side(eye).unnumbered;
+  const bool of_use = options_.shared_clock && !contradicted_ && !(last_stamp_ns_ && frame.stamp_ns <= *last_stamp_ns_);
+  if (of_use && list.size() == kMostUnnumbered) {
+    release(eye, list.front(), SyncLoss::uncertain, outcome);
+    list.erase(list.begin());
+  }
+  if (of_use) {
+    list.push_back(frame);
+  } else {
+    release(eye, frame, SyncLoss::uncertain, outcome);
+  }
 }
 
 void PairSync::release_below(Eye eye, std::int64_t index, SyncOutcome& outcome) {
@@ -159,6 +230,7 @@ void PairSync::emit(const Waiting& left, const Waiting& right, SyncOutcome& outc
   }
   sides_[0].last_paired = left.index;
   sides_[1].last_paired = right.index;
+  last_stamp_ns_ = left.stamp_ns;
   follow_drift(left.index);
 }
 
@@ -217,7 +289,9 @@ void PairSync::push(Eye eye, const SyncFrame& frame, SyncOutcome& outcome) {
   mine.last_arrival_ns = std::max(mine.last_arrival_ns, frame.arrival_ns);
   mine.lost = false;
   const EyeClock::Reading reading = mine.clock.read(frame.stamp_ns, frame.arrival_ns);
-  Waiting item{reading.index, frame.stamp_ns, frame.token, reading.verdict == EyeClock::Verdict::certain};
+  Waiting item{reading.index,    frame.stamp_ns,
+               frame.token,      reading.verdict == EyeClock::Verdict::certain,
+               frame.arrival_ns, reading.verdict != EyeClock::Verdict::uncertain};
   mine.counts.missing += reading.missing;
   if (reading.out_of_order) ++mine.counts.out_of_order;
   if (reading.restarted) {
@@ -225,8 +299,10 @@ void PairSync::push(Eye eye, const SyncFrame& frame, SyncOutcome& outcome) {
   }
   if (reading.verdict == EyeClock::Verdict::doubled) {
     release(eye, item, SyncLoss::doubled, outcome);
+  } else if (pair_by_stamp(eye, item, outcome)) {
+    // has gone out
   } else if (reading.verdict == EyeClock::Verdict::uncertain) {
-    release(eye, item, SyncLoss::uncertain, outcome);
+    keep_unnumbered(eye, item, outcome);
   } else if (mine.any_paired && reading.index <= mine.last_paired) {
     release(eye, item, SyncLoss::late, outcome);
   } else {
@@ -253,6 +329,10 @@ void PairSync::advance(std::int64_t now_ns, SyncOutcome& outcome) {
     if (s.lost || static_cast<double>(now_ns - s.last_arrival_ns) * 1e-9 <= options_.lost_after_s) continue;
     s.lost = true;
     release_all(eye, SyncLoss::unpaired, outcome);
+    for (const Eye each : {Eye::left, Eye::right}) {
+      for (const Waiting& frame : side(each).unnumbered) release(each, frame, SyncLoss::uncertain, outcome);
+      side(each).unnumbered.clear();
+    }
     expire(other(eye), outcome);
   }
 }

@@ -17,9 +17,11 @@ namespace cliquevo::drivers {
 enum class Eye { left, right };
 
 struct PairSyncOptions {
-  double rate_hz = 0.0;       // nominal, of both eyes; must be given
-  bool triggered = true;      // both eyes expose at once (one trigger); false: each at its own pace
-  bool shared_clock = false;  // stamps of both eyes are on one clock (PTP, or mapped to the host's)
+  double rate_hz = 0.0;   // nominal, of both eyes; must be given
+  bool triggered = true;  // both eyes expose at once (one trigger); false: each at its own pace
+  // Stamps of both eyes are on one clock (PTP, or mapped to the host's): frames that arrive together need not wait
+  // until the clocks are learnt.
+  bool shared_clock = false;
   double tolerance = 0.25;    // periods; largest difference of exposure where they are not triggered, or clock shared
   double lost_after_s = 1.0;  // without a frame an eye counts as lost
 
@@ -95,7 +97,9 @@ class PairSync {
 
   SyncState state() const;
   const SyncCounts& counts(Eye eye) const { return side(eye).counts; }
-  std::int64_t waiting(Eye eye) const { return static_cast<std::int64_t>(side(eye).waiting.size()); }
+  std::int64_t waiting(Eye eye) const {
+    return static_cast<std::int64_t>(side(eye).waiting.size() + side(eye).unnumbered.size());
+  }
   // Right stamp - left stamp of one exposure, ns; nothing before the clocks are known.
   std::optional<std::int64_t> clock_offset_ns() const;
   // Rate of the right clock against the left, parts per million; nothing before it is known to a few (1000 pairs).
@@ -107,12 +111,15 @@ class PairSync {
     TimestampNs stamp_ns = 0;
     std::uint32_t token = 0;
     bool certain = false;
+    std::int64_t arrival_ns = 0;
+    bool numbered = true;
   };
   struct Side {
     explicit Side(double period_ns) : clock(period_ns) {}
     EyeClock clock;
     SyncCounts counts;
-    std::vector<Waiting> waiting;  // in order of their numbers
+    std::vector<Waiting> waiting;     // in order of their numbers
+    std::vector<Waiting> unnumbered;  // of a shared clock: in order of arrival, few
     std::int64_t last_paired = 0;
     bool any_paired = false;  // since this eye's numbers began
     std::int64_t last_arrival_ns = 0;
@@ -126,6 +133,9 @@ class PairSync {
   void release_below(Eye eye, std::int64_t index, SyncOutcome& outcome);
   void forget_relation();
   void void_numbers(Eye eye, SyncOutcome& outcome);
+  bool pair_by_stamp(Eye eye, const Waiting& frame, SyncOutcome& outcome);
+  void keep_unnumbered(Eye eye, const Waiting& frame, SyncOutcome& outcome);
+  void take_out(Eye eye, const Waiting& frame, SyncOutcome& outcome);
   void relate(SyncOutcome& outcome);
   double difference_ns(std::int64_t left_index, std::int64_t right_index) const;
   void pair_up(SyncOutcome& outcome);
@@ -139,7 +149,9 @@ class PairSync {
   std::optional<std::int64_t> relation_;  // right number - left number of one exposure
   bool begun_ = false;
   bool out_of_phase_ = false;
-  std::int64_t drift_index_ = 0;  // left number and offset that the drift is measured from
+  bool contradicted_ = false;                 // frames of one stamp came apart: stamps alone prove nothing
+  std::optional<TimestampNs> last_stamp_ns_;  // left one of the last pair, on a shared clock
+  std::int64_t drift_index_ = 0;              // left number and offset that the drift is measured from
   double drift_offset_ns_ = 0.0;
   bool drift_begun_ = false;
   std::optional<double> drift_ppm_;

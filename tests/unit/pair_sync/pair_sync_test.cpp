@@ -226,6 +226,41 @@ TEST(pair_sync, clock_called_shared_that_is_not_pairs_nothing) {
   EXPECT_EQ(sync.state(), SyncState::out_of_phase);
 }
 
+TEST(pair_sync, on_a_shared_clock_the_first_frames_are_paired_already) {
+  TormentOptions torment;
+  torment.exposures = 500;
+  torment.arrival_jitter = 0.05;
+  torment.stamp_jitter = 0.0;
+  torment.drop = torment.twice = torment.reorder = 0.0;
+  torment.drift_ppm = 0.0;
+  torment.offset_s = 0.0;
+  PairSyncOptions options = at_30_hz();
+  options.shared_clock = true;
+  PairSync sync(options);
+  const Tally tally = run(torment, sync);
+  EXPECT_EQ(tally.pairs, 500);
+  EXPECT_EQ(tally.false_pairs, 0);
+}
+
+TEST(pair_sync, torment_on_a_shared_clock_gives_no_false_pair) {
+  Tally all;
+  for (std::uint64_t seed = 11; seed <= 14; ++seed) {
+    TormentOptions torment;
+    torment.seed = seed;
+    torment.exposures = 50'000;
+    torment.drift_ppm = 0.0;
+    torment.offset_s = seed == 14 ? 1.0 / 30.0 : 0.0;  // the last one is shared by name alone
+    torment.step_every = seed == 13 ? 2000 : 0;
+    PairSyncOptions options = at_30_hz();
+    options.shared_clock = true;
+    PairSync sync(options);
+    const Tally tally = run(torment, sync);
+    EXPECT_EQ(tally.false_pairs, 0) << "seed " << seed;
+    all.pairs += seed < 13 ? tally.pairs : 0;
+  }
+  EXPECT_GE(static_cast<double>(all.pairs), 0.97 * 0.98 * 0.98 * 100'000);
+}
+
 TEST(pair_sync, lost_eye_is_reported_and_comes_back) {
   TormentOptions torment;
   torment.exposures = 1500;
