@@ -293,18 +293,17 @@ Config default_config() {
 
 Result<void> Config::check() const {
   if (!(source.speed >= 0.0)) return own_range("source.speed", "give 0 (as fast as possible) or more");
-  const auto& recording = source.recording;
-  if (recording.rate_hz && !(*recording.rate_hz > 0.0))
-    return own_range("source.recording.rate_hz", "give more than 0");
-  if (recording.first < 0) return own_range("source.recording.first", "give 0 or more");
-  if (recording.every < 1) return own_range("source.recording.every", "give 1 or more");
-  if (recording.last < -1 || (recording.last >= 0 && recording.last < recording.first)) {
+  const auto& played = source.recording;
+  if (played.rate_hz && !(*played.rate_hz > 0.0)) return own_range("source.recording.rate_hz", "give more than 0");
+  if (played.first < 0) return own_range("source.recording.first", "give 0 or more");
+  if (played.every < 1) return own_range("source.recording.every", "give 1 or more");
+  if (played.last < -1 || (played.last >= 0 && played.last < played.first)) {
     return own_range("source.recording.last", "give -1 (the last there is), or a pair not before the first");
   }
-  if (recording.pair_tolerance_s && !(*recording.pair_tolerance_s >= 0.0)) {
+  if (played.pair_tolerance_s && !(*played.pair_tolerance_s >= 0.0)) {
     return own_range("source.recording.pair_tolerance_s", "give 0 or more");
   }
-  if (source.type == "recording" && recording.path.empty()) {
+  if (source.type == "recording" && played.path.empty()) {
     return own_range("source.recording.path", "name the recording's folder");
   }
   for (const auto& [key, channel] :
@@ -326,6 +325,19 @@ Result<void> Config::check() const {
                                       std::pair{"realtime.output_priority", realtime.output_priority}}) {
     if (priority < 0 || priority > 99) return own_range(key, "give 0 (ordinary), or 1 to 99");
   }
+  if (auto ok = in_section("source.cameras", source.cameras.check()); !ok) return ok;
+  if (source.is_live()) {
+    if (auto ok = in_section("source.cameras", source.cameras.check_names()); !ok) return ok;
+  }
+  const RecordingConfig& log = this->recording;
+  if (log.at_start && log.folder.empty()) return own_range("recording.folder", "name a folder to record into");
+  if (log.max_file_mb < 1 || log.max_file_mb > 1'000'000) {
+    return own_range("recording.max_file_mb", "give 1 to 1000000");
+  }
+  if (log.max_total_mb < 2 || log.max_total_mb > 100'000'000) {
+    return own_range("recording.max_total_mb", "give 2 to 100000000");
+  }
+  if (log.queue_mb < 1 || log.queue_mb > 4096) return own_range("recording.queue_mb", "give 1 to 4096");
   if (auto ok = in_section("stereo", stereo.check()); !ok) return ok;
   if (auto ok = in_section("odometry", odometry.check()); !ok) return ok;
   return in_section("source.simulator", source.simulator.check());

@@ -12,6 +12,7 @@
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
 #include "core/vo/vo_params.h"
+#include "drivers/camera_options.h"
 #include "drivers/recording.h"
 #include "drivers/simulator.h"
 #include "stereo/stereo_params.h"
@@ -19,11 +20,14 @@
 namespace cliquevo::daemon {
 
 struct SourceConfig {
-  std::string type = "simulator";  // simulator, recording
+  std::string type = "simulator";  // simulator, recording, or a family of cameras: aravis, v4l2, libcamera
   drivers::SimulatorOptions simulator;
   drivers::RecordingOptions recording;
+  drivers::CameraOptions cameras;
   std::string loop = "none";  // none, pingpong (recordings: forward, then backward, without end)
   double speed = 1.0;         // times recorded pace; 0 = as fast as possible
+
+  bool is_live() const { return type != "simulator" && type != "recording"; }
 };
 
 struct LcmConfig {
@@ -46,6 +50,15 @@ struct RealtimeConfig {
   int output_priority = 30;    // below them: sending may block
 };
 
+// Logs that the daemon writes: pairs as grabbed, calibration, and the messages that it sends.
+struct RecordingConfig {
+  std::string folder;                 // empty = no recording
+  bool at_start = false;              // from the start on; else when VO_COMMAND asks for it
+  std::int64_t max_file_mb = 1024;    // a new file when this one has so many
+  std::int64_t max_total_mb = 16384;  // of all logs in the folder that the daemon wrote: the oldest go
+  std::int64_t queue_mb = 64;         // memory for what waits for the disk
+};
+
 // How the camera sits on the vehicle: rectified left camera in the body frame (X forward, Y left, Z up). All zero: at
 // the body's origin, level, looking forward. Angles turn about the body's axes by the right hand, roll first, yaw last:
 // a positive pitch looks down, a positive yaw to the left.
@@ -63,6 +76,7 @@ struct Config {
   LcmConfig lcm;
   RealtimeConfig realtime;
   Mounting body;
+  RecordingConfig recording;
   RigidTransform T_body_camera;    // of `body`
   std::string log_level = "info";  // trace, debug, info, warn, error
 

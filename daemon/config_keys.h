@@ -11,7 +11,12 @@ namespace cliquevo::daemon {
 // choice(path, value, {{"name", value}, ...}) for those that pick one of a few. C is Config or const Config.
 template <typename C, typename Visitor>
 void visit_config_keys(C& c, Visitor& v) {
-  v.choice("source.type", c.source.type, {{"simulator", "simulator"}, {"recording", "recording"}});
+  v.choice("source.type", c.source.type,
+           {{"simulator", "simulator"},
+            {"recording", "recording"},
+            {"aravis", "aravis"},
+            {"v4l2", "v4l2"},
+            {"libcamera", "libcamera"}});
   v.choice("source.loop", c.source.loop, {{"none", "none"}, {"pingpong", "pingpong"}});
   v.key("source.speed", c.source.speed);
 
@@ -25,6 +30,37 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("source.recording.pair_tolerance_s", recording.pair_tolerance_s);
   v.file("source.recording.left_mask", recording.left_mask);
   v.file("source.recording.right_mask", recording.right_mask);
+
+  auto& cameras = c.source.cameras;
+  v.key("source.cameras.left", cameras.left);
+  v.key("source.cameras.right", cameras.right);
+  v.file("source.cameras.calibration", cameras.calibration);
+  v.key("source.cameras.rate_hz", cameras.rate_hz);
+  v.key("source.cameras.width", cameras.width);
+  v.key("source.cameras.height", cameras.height);
+  v.key("source.cameras.offset_x", cameras.offset_x);
+  v.key("source.cameras.offset_y", cameras.offset_y);
+  v.key("source.cameras.binning", cameras.binning);
+  v.key("source.cameras.pixel_format", cameras.pixel_format);
+  v.key("source.cameras.exposure_us", cameras.exposure_us);
+  v.key("source.cameras.gain", cameras.gain);
+  v.choice("source.cameras.trigger", cameras.trigger,
+           {{"off", drivers::CameraTrigger::off},
+            {"software", drivers::CameraTrigger::software},
+            {"hardware", drivers::CameraTrigger::hardware},
+            {"action", drivers::CameraTrigger::action}});
+  v.key("source.cameras.trigger_line", cameras.trigger_line);
+  v.key("source.cameras.shared_clock", cameras.shared_clock);
+  v.key("source.cameras.ptp", cameras.ptp);
+  v.key("source.cameras.packet_size", cameras.packet_size);
+  v.key("source.cameras.packet_resend", cameras.packet_resend);
+  v.choice("source.cameras.layout", cameras.layout,
+           {{"two_cameras", drivers::EyeLayout::two_cameras},
+            {"side_by_side", drivers::EyeLayout::side_by_side},
+            {"interleaved", drivers::EyeLayout::interleaved}});
+  v.key("source.cameras.controls", cameras.controls);
+  v.file("source.cameras.left_mask", cameras.left_mask);
+  v.file("source.cameras.right_mask", cameras.right_mask);
 
   auto& simulator = c.source.simulator;
   v.key("source.simulator.width", simulator.width);
@@ -122,6 +158,12 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("realtime.stereo_priority", c.realtime.stereo_priority);
   v.key("realtime.odometry_priority", c.realtime.odometry_priority);
   v.key("realtime.output_priority", c.realtime.output_priority);
+
+  v.file("recording.folder", c.recording.folder);
+  v.key("recording.at_start", c.recording.at_start);
+  v.key("recording.max_file_mb", c.recording.max_file_mb);
+  v.key("recording.max_total_mb", c.recording.max_total_mb);
+  v.key("recording.queue_mb", c.recording.queue_mb);
 
   v.key("body.translation_m", c.body.translation_m);
   v.key("body.roll_pitch_yaw_deg", c.body.roll_pitch_yaw_deg);

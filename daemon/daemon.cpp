@@ -19,6 +19,7 @@
 #include "daemon/log.h"
 #include "daemon/pipeline.h"
 #include "daemon/publisher.h"
+#include "daemon/recording.h"
 #include "daemon/service.h"
 #include "daemon/signals.h"
 #include "daemon/source.h"
@@ -96,17 +97,24 @@ Result<std::optional<Publisher>> make_publisher(const Config& config, const Sign
   }
 }
 
-Result<std::optional<CommandReceiver>> listen(const Config& config, Pipeline& pipeline) {
+void obey(const command_t& command, Pipeline& pipeline, Recording& recording) {
+  if (command.command == command_t::RESET_POSE) {
+    spdlog::info("resetting the pose: asked to by a message");
+    pipeline.request_reset();
+  } else if (command.command == command_t::START_RECORDING) {
+    if (const auto ok = recording.start(); !ok) report(ok.error());
+  } else if (command.command == command_t::STOP_RECORDING) {
+    if (const auto ok = recording.stop(); !ok) report(ok.error());
+  } else {
+    spdlog::warn("command {} is not known: ignored", static_cast<int>(command.command));
+  }
+}
+
+Result<std::optional<CommandReceiver>> listen(const Config& config, Pipeline& pipeline, Recording& recording) {
   std::optional<CommandReceiver> receiver;
   if (config.lcm.command_channel.empty()) return receiver;
-  auto started = CommandReceiver::start(config.lcm.url, config.lcm.command_channel, [&pipeline](const command_t& c) {
-    if (c.command == command_t::RESET_POSE) {
-      spdlog::info("resetting the pose: asked to by a message");
-      pipeline.request_reset();
-    } else {
-      spdlog::warn("command {} is not known: ignored", static_cast<int>(c.command));
-    }
-  });
+  auto started = CommandReceiver::start(config.lcm.url, config.lcm.command_channel,
+                                        [&](const command_t& c) { obey(c, pipeline, recording); });
   if (!started) return started.error();
   receiver.emplace(std::move(*started));
   return receiver;
@@ -133,8 +141,8 @@ void reload(const DaemonOptions& options, Config& in_force) {
 }
 
 // Feeds the watchdog, reports, and waits for the end of the source or a signal to stop.
-void watch(Pipeline& pipeline, Output& output, const Signals& signals, Service& service, const std::string& source,
-           const std::function<void()>& on_hangup) {
+void watch(Pipeline& pipeline, Output& output, Recording& recording, const Signals& signals, Service& service,
+           const std::string& source, const std::function<void()>& on_hangup) {
   Health health(pipeline, output.sent, source);
   std::int64_t next_report_ns = monotonic_ns() + kSecondNs;
   while (!pipeline.wait_finished(0)) {
@@ -152,7 +160,7 @@ void watch(Pipeline& pipeline, Output& output, const Signals& signals, Service& 
     const std::int64_t now_ns = monotonic_ns();
     if (now_ns >= next_report_ns) {
       next_report_ns += kSecondNs * (1 + (now_ns - next_report_ns) / kSecondNs);
-      output.publisher.publish(health.update(now_ns));
+      output.publisher.publish(health.update(now_ns, recording.status()));
       service.status(health.status_text());
       spdlog::debug(health.status_text());
     }
@@ -207,6 +215,14 @@ int run(const DaemonOptions& options) {
   spdlog::info("sending {}, {} and {} to {}", config->lcm.delta_channel, config->lcm.pose_channel,
                config->lcm.status_channel, config->lcm.url);
 
+  Recording recording(config->recording, info, config->source.speed <= 0.0 && !info.live);
+  if (config->recording.at_start) {
+    if (const auto ok = recording.start(); !ok) return report(ok.error()), kBadInput;
+  }
+  output.publisher.copy_to([&recording](const std::string& channel, const std::uint8_t* data, std::size_t size) {
+    recording.add(channel, data, size);
+  });
+
   Workshop& shop = **workshop;
   PipelineWork work;
   work.prepare = [&shop](FrameSlot& slot) { shop.stereo.prepare(slot.frame); };
@@ -223,20 +239,21 @@ int run(const DaemonOptions& options) {
   pipeline_options.odometry.fifo_priority = config->realtime.odometry_priority;
   pipeline_options.output.fifo_priority = config->realtime.output_priority;
   const std::string description = info.description;
-  auto pipeline = Pipeline::start(pipeline_options, std::move(work), std::move(*source));
+  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(*source), recording));
   if (!pipeline) return report(pipeline.error()), kBadInput;
   for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
 
   {
-    const auto commands = listen(*config, *pipeline);
+    const auto commands = listen(*config, *pipeline, recording);
     if (!commands) return report(commands.error()), kBadInput;
-    watch(*pipeline, output, signals, service, description, [&] { reload(options, *config); });
+    watch(*pipeline, output, recording, signals, service, description, [&] { reload(options, *config); });
   }
   if (!pipeline->wait_finished(kPatienceNs)) {
     report({"a stage does not end", description, "the daemon ends without the frames on their way"});
     std::fflush(nullptr);
     std::_Exit(kBadInput);  // its thread cannot be joined
   }
+  if (const auto ok = recording.stop(); !ok) report(ok.error());
   const PipelineCounts counts = pipeline->counts();
   spdlog::info("{} frames: {} poses sent ({} valid), {} dropped, {} rejected", counts.grabbed, counts.published,
                output.sent.valid.load(), counts.dropped, counts.rejected);

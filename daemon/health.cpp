@@ -90,7 +90,7 @@ void Health::fill_latencies(health_t& out) {
   out.num_stages = static_cast<std::int32_t>(out.stage_name.size());
 }
 
-const health_t& Health::update(std::int64_t now_mono_ns) {
+const health_t& Health::update(std::int64_t now_mono_ns, const std::string& recording) {
   const PipelineCounts counts = pipeline_.counts();
   const std::int64_t valid = sent_.valid.load(std::memory_order_relaxed);
   const std::int64_t span_ns = now_mono_ns - last_update_ns_;
@@ -101,6 +101,8 @@ const health_t& Health::update(std::int64_t now_mono_ns) {
 
   health_t& out = message_;
   judge(grabbed_now, sent_now);
+  out.source_text = pipeline_.source_status();
+  out.recording_text = recording;
   out.utime = floor_us(utc_now_ns());
   out.uptime_s = static_cast<double>(now_mono_ns - start_ns_) * 1e-9;
   out.grab_rate_hz = rate(grabbed_now, span_ns);
@@ -131,6 +133,9 @@ const health_t& Health::update(std::int64_t now_mono_ns) {
       fmt::format("{}; {:.1f} Hz, latency {:.1f} ms (p99 {:.1f} ms), {:.0f} % valid, {} dropped",
                   out.state_text.empty() ? "starting" : out.state_text, out.pose_rate_hz, out.latency_p50_us * 1e-3,
                   out.latency_p99_us * 1e-3, 100.0 * out.valid_share, counts.dropped);
+  for (const std::string* text : {&out.source_text, &out.recording_text}) {
+    if (!text->empty()) status_text_ += "; " + *text;
+  }
   return out;
 }
 

@@ -32,8 +32,8 @@ class Health {
   bool may_feed_watchdog() const;
   // Frames have gone out, or it is clear that the source sends none.
   bool ready() const;
-  // About once a second.
-  const health_t& update(std::int64_t now_mono_ns);
+  // About once a second. recording: a line on what is recorded; empty = nothing is.
+  const health_t& update(std::int64_t now_mono_ns, const std::string& recording = "");
   // One line: state, rate, latency, drops. Of the last update().
   const std::string& status_text() const { return status_text_; }
 

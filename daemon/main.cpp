@@ -7,6 +7,7 @@
 
 #include "daemon/daemon.h"
 #include "daemon/log.h"
+#include "daemon/source.h"
 
 int main(int argc, char** argv) {
   using namespace cliquevo::daemon;
@@ -16,7 +17,7 @@ int main(int argc, char** argv) {
   app.add_option("--config", options.config, "Configuration file (default: the built-in settings)")->type_name("FILE");
   app.add_flag("--check", check_only, "Validate configuration and calibration, print what is in force, and end");
   app.add_option("--trajectory", options.trajectory, "Write the camera's poses here (KITTI format)")->type_name("FILE");
-  app.set_version_flag("--version", CLIQUEVO_VERSION);
+  app.set_version_flag("--version", std::string(CLIQUEVO_VERSION) + " (sources: " + built_in_sources() + ")");
   app.footer(
       "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage.\n"
       "SIGTERM and SIGINT stop it cleanly: frames on their way still go out.");

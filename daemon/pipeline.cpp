@@ -71,7 +71,12 @@ const char* span_name(Span span) {
 
 struct Pipeline::Impl {
   Impl(const PipelineOptions& options_, PipelineWork work_, std::unique_ptr<drivers::FrameSource> source_)
-      : options(options_), work(std::move(work_)), source(std::move(source_)) {}
+      : options(options_), work(std::move(work_)), source(std::move(source_)), live(source->info().live) {
+    if (live) {
+      options.speed = 1.0;
+      options.errors_are_final = false;
+    }
+  }
 
   // ---- the four threads
   void grab();
@@ -87,6 +92,7 @@ struct Pipeline::Impl {
   void ask_stop() {
     stop_asked.store(true, std::memory_order_release);
     stop_wakeup.signal();
+    source->interrupt();
   }
   Progress& progress(Stage stage) { return progresses[static_cast<std::size_t>(stage)]; }
   rt::Histogram& span(Span which) { return spans[static_cast<std::size_t>(which)]; }
@@ -98,6 +104,7 @@ struct Pipeline::Impl {
   PipelineOptions options;
   PipelineWork work;
   std::unique_ptr<drivers::FrameSource> source;
+  bool live;
 
   rt::SlotPool<FrameSlot> slots{kSlots, kReturningThreads};
   rt::Handover to_stereo;
@@ -167,7 +174,7 @@ void Pipeline::Impl::grab() {
     if (lossless()) {
       while (!to_stereo.wait_until_taken(kPollNs) && !stopping()) {
       }
-    } else {
+    } else if (!live) {
       sleep_until(pacer.due_ns(slot.pair.stamp_ns, now_ns));
     }
     if (stopping()) break;
@@ -355,6 +362,8 @@ Result<void> Pipeline::outcome() const {
 }
 
 std::int64_t Pipeline::standing_still_ns(Stage stage) const { return impl_->progress(stage).standing_still_ns(); }
+
+std::string Pipeline::source_status() const { return impl_->source->status(); }
 
 const rt::Histogram& Pipeline::histogram(Span span) const { return impl_->span(span); }
 

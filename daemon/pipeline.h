@@ -19,6 +19,7 @@
 namespace cliquevo::daemon {
 
 struct PipelineOptions {
+  // A live source sets the pace itself, and its errors are counted; these two are for the others.
   double speed = 1.0;            // times the source's own pace; 0: each frame waits for the one before, none is dropped
   bool errors_are_final = true;  // of the source and of single frames: end with it (recordings), or count and go on
   rt::ThreadOptions stereo{.name = "vo-stereo"};
@@ -77,6 +78,8 @@ class Pipeline {
   // How long the stage has had work without finishing any, ns; 0 when it has none.
   std::int64_t standing_still_ns(Stage stage) const;
   const rt::Histogram& histogram(Span span) const;
+  // The source's own word on how it gets on; empty = nothing to tell.
+  std::string source_status() const;
   // Rights the threads were not granted, a line a thread; empty = all granted.
   std::vector<std::string> shortfalls() const;
 

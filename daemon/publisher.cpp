@@ -23,11 +23,12 @@ class Channel {
   explicit Channel(std::string name) : name_(std::move(name)) {}
 
   // true also for a channel without a name: it is switched off.
-  bool send(lcm::LCM& lcm, const Message& message) {
+  bool send(lcm::LCM& lcm, const Publisher::Copy& copy, const Message& message) {
     if (name_.empty()) return true;
     const auto size = static_cast<std::size_t>(message.getEncodedSize());
     if (buffer_.size() < size) buffer_.resize(size);
     const int used = message.encode(buffer_.data(), 0, static_cast<int>(size));
+    if (used >= 0 && copy) copy(name_, buffer_.data(), static_cast<std::size_t>(used));
     return used >= 0 && lcm.publish(name_, buffer_.data(), static_cast<unsigned int>(used)) == 0;
   }
 
@@ -54,6 +55,7 @@ struct Publisher::Impl {
         health(config.health_channel) {}
 
   lcm::LCM lcm;
+  Copy copy;
   MessageBuilder builder;
   FrameMessages messages;
   Channel<update_t> delta;
@@ -78,17 +80,19 @@ Publisher::Publisher(Publisher&&) noexcept = default;
 Publisher& Publisher::operator=(Publisher&&) noexcept = default;
 Publisher::~Publisher() = default;
 
+void Publisher::copy_to(Copy copy) { impl_->copy = std::move(copy); }
+
 bool Publisher::publish(const PublishedFrame& frame) {
   Impl& m = *impl_;
   m.builder.build(frame, utc_now_ns(), m.messages);
   // The delta first: estimators wait for it. Each is tried, whatever became of the one before.
-  const bool delta_sent = m.delta.send(m.lcm, m.messages.delta);
-  const bool pose_sent = m.pose.send(m.lcm, m.messages.pose);
-  const bool status_sent = m.status.send(m.lcm, m.messages.status);
-  const bool delta_body_sent = m.delta_body.send(m.lcm, m.messages.delta_body);
+  const bool delta_sent = m.delta.send(m.lcm, m.copy, m.messages.delta);
+  const bool pose_sent = m.pose.send(m.lcm, m.copy, m.messages.pose);
+  const bool status_sent = m.status.send(m.lcm, m.copy, m.messages.status);
+  const bool delta_body_sent = m.delta_body.send(m.lcm, m.copy, m.messages.delta_body);
   return delta_sent && pose_sent && status_sent && delta_body_sent;
 }
 
-bool Publisher::publish(const health_t& health) { return impl_->health.send(impl_->lcm, health); }
+bool Publisher::publish(const health_t& health) { return impl_->health.send(impl_->lcm, impl_->copy, health); }
 
 }  // namespace cliquevo::daemon

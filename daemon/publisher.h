@@ -2,7 +2,9 @@
 // Estimates out over LCM: VO_DELTA_CAMERA, POSE_BODY and VO_STATUS for every frame, VO_HEALTH now and then.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <string>
 
 #include <cliquevo/health_t.hpp>
 
@@ -19,6 +21,9 @@ class Publisher {
   Publisher& operator=(Publisher&&) noexcept;
   ~Publisher();
 
+  // Gets a copy of every message that is sent, on the sending thread.
+  using Copy = std::function<void(const std::string& channel, const std::uint8_t* data, std::size_t size)>;
+  void copy_to(Copy copy);
   // false: a message could not be sent.
   bool publish(const PublishedFrame& frame);
   // VO_HEALTH; may be called from another thread than the one above.

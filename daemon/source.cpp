@@ -5,6 +5,15 @@
 #include <vector>
 
 #include "drivers/recording.h"
+#ifdef CLIQUEVO_ARAVIS
+#include "drivers/aravis.h"
+#endif
+#ifdef CLIQUEVO_V4L2
+#include "drivers/v4l2.h"
+#endif
+#ifdef CLIQUEVO_LIBCAMERA
+#include "drivers/libcamera.h"
+#endif
 #include "drivers/simulator.h"
 
 namespace cliquevo::daemon {
@@ -70,6 +79,20 @@ class PingPong : public FrameSource {
 
 }  // namespace
 
+std::string built_in_sources() {
+  std::string out = "simulator, recording";
+#ifdef CLIQUEVO_ARAVIS
+  out += ", aravis";
+#endif
+#ifdef CLIQUEVO_V4L2
+  out += ", v4l2";
+#endif
+#ifdef CLIQUEVO_LIBCAMERA
+  out += ", libcamera";
+#endif
+  return out;
+}
+
 Result<std::unique_ptr<FrameSource>> make_pingpong(std::unique_ptr<FrameSource> source, std::size_t max_bytes) {
   std::vector<StereoPair> frames;
   std::size_t bytes = 0;
@@ -105,7 +128,17 @@ Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config) {
     std::unique_ptr<FrameSource> source = std::move(*simulator);
     return pingpong ? make_pingpong(std::move(source)) : Result<std::unique_ptr<FrameSource>>(std::move(source));
   }
-  return Error{"unknown source", "source.type = " + config.type, "use simulator or recording"};
+#ifdef CLIQUEVO_ARAVIS
+  if (config.type == "aravis") return drivers::open_aravis(config.cameras);
+#endif
+#ifdef CLIQUEVO_V4L2
+  if (config.type == "v4l2") return drivers::open_v4l2(config.cameras);
+#endif
+#ifdef CLIQUEVO_LIBCAMERA
+  if (config.type == "libcamera") return drivers::open_libcamera(config.cameras);
+#endif
+  return Error{"source is not in this build", "source.type = " + config.type,
+               "build where its library is found (`cliquevod --version` lists what is in)"};
 }
 
 }  // namespace cliquevo::daemon

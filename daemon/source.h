@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
 #include "core/base/result.h"
 #include "daemon/config.h"
@@ -11,6 +12,8 @@
 namespace cliquevo::daemon {
 
 Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceConfig& config);
+// The values of source.type that this build has.
+std::string built_in_sources();
 
 // Plays a finite source (a simulated course) forward, then backward, without end: continuous motion with stamps and
 // numbers that go on rising. All its frames are read into memory first; fails when that takes more than max_bytes or

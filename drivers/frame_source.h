@@ -19,6 +19,8 @@ struct StereoPair {
   TimestampNs stamp_ns = 0;  // exposure (the left eye's where the eyes differ)
   Image<std::uint8_t> left;  // grey, as grabbed
   Image<std::uint8_t> right;
+  std::int64_t right_offset_ns = 0;                    // right exposure - left exposure, where known
+  TimestampNs host_ns = 0;                             // arrival on this machine, UTC; 0 = not known
   std::optional<RigidTransform> truth_T_world_camera;  // rectified left camera in its first frame, where known exactly
 };
 
@@ -28,6 +30,7 @@ struct SourceInfo {
   int height = 0;
   std::int64_t frame_count = -1;  // -1: live, endless
   double rate_hz = 0.0;           // nominal; 0 = unknown
+  bool live = false;              // frames come when they come: nobody may hold them back
   StereoCalibration calibration;
   Image<std::uint8_t> left_mask;  // raw size, 0 = the vehicle's own parts; empty = none
   Image<std::uint8_t> right_mask;
@@ -40,6 +43,10 @@ class FrameSource {
   // Next pair into `pair` (whose storage is reused). true: a pair; false: the source is at its end. An Error is final
   // for this pair (torn image, unequal sizes): the caller decides whether to go on.
   virtual Result<bool> next(StereoPair& pair) = 0;
+  // Any thread: a next() that waits for frames, and every later one, returns false soon.
+  virtual void interrupt() {}
+  // Any thread: one line on how a live source gets on ("left eye lost: reconnecting"); empty = nothing to tell.
+  virtual std::string status() const { return ""; }
 };
 
 }  // namespace cliquevo::drivers

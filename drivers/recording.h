@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recorded sequences as frame sources: KITTI odometry, KITTI raw, EuRoC, or two folders of images; told apart by what
-// is in the folder.
+// Recorded sequences as frame sources: KITTI odometry, KITTI raw, EuRoC, two folders of images, told apart by what is
+// in the folder; or LCM event logs with stereo pairs, a file or a folder of such.
 #pragma once
 
 #include <memory>

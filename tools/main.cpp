@@ -10,6 +10,8 @@
 #include "tools/doctor.h"
 #include "tools/exit_code.h"
 #include "tools/help_format.h"
+#include "tools/hil.h"
+#include "tools/record.h"
 #include "tools/simulate.h"
 #include "tools/spy.h"
 
@@ -36,6 +38,11 @@ int run(int argc, char** argv) {
   add_disparity_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_simulate_command(app, exit_code);
+  add_record_command(app, exit_code);
+  add_convert_command(app, exit_code);
+#ifdef CLIQUEVO_ARAVIS
+  add_hil_command(app, exit_code);
+#endif
   add_doctor_command(app, exit_code);
   add_spy_command(app, exit_code);
   try {

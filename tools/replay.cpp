@@ -189,7 +189,7 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
       .add_option(
           "SOURCE", source.text,
           "A recording's folder (KITTI odometry, KITTI raw, EuRoC, two folders of images: told apart by what is "
-          "in it), or sim, or sim:key=value,...")
+          "in it), an LCM log, sim, or sim:key=value,...")
       ->required();
   replay.add_option("--calibration", source.calibration, "Calibration instead of the recording's own")
       ->type_name("FILE");

@@ -3,42 +3,17 @@
 
 #include <cerrno>
 #include <cmath>
-#include <csignal>
 #include <ctime>
 
 #include <fmt/format.h>
 
 #include "tools/exit_code.h"
 #include "tools/progress.h"
+#include "tools/stop_on_signal.h"
 
 namespace cliquevo::tools {
 
 namespace {
-
-volatile std::sig_atomic_t stop_signal = 0;
-
-// While it lives, SIGINT and SIGTERM ask for an orderly end; a second one ends the program at once.
-class StopOnSignal {
- public:
-  StopOnSignal() {
-    stop_signal = 0;
-    struct sigaction action = {};
-    action.sa_handler = [](int signal) { stop_signal = signal; };
-    action.sa_flags = static_cast<int>(SA_RESETHAND);  // no SA_RESTART: it must end a sleep
-    sigaction(SIGINT, &action, &old_interrupt_);
-    sigaction(SIGTERM, &action, &old_terminate_);
-  }
-  ~StopOnSignal() {
-    sigaction(SIGINT, &old_interrupt_, nullptr);
-    sigaction(SIGTERM, &old_terminate_, nullptr);
-  }
-  StopOnSignal(const StopOnSignal&) = delete;
-  StopOnSignal& operator=(const StopOnSignal&) = delete;
-
- private:
-  struct sigaction old_interrupt_ = {};
-  struct sigaction old_terminate_ = {};
-};
 
 // Holds frames back to `speed` times the pace of their stamps.
 class Pace {
@@ -55,7 +30,7 @@ class Pace {
     const double since_first_ns = static_cast<double>(stamp_ns - first_stamp_ns_);
     const std::int64_t due_ns = begin_ns_ + std::llround(since_first_ns / speed_);
     const timespec due = {static_cast<time_t>(due_ns / 1'000'000'000), static_cast<long>(due_ns % 1'000'000'000)};
-    while (stop_signal == 0 && clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR) continue;
+    while (!StopOnSignal::asked() && clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR) continue;
   }
 
  private:
@@ -94,7 +69,7 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
   const std::int64_t begin_ns = monotonic_ns();
 
   while (!error) {
-    if (stop_signal != 0) {
+    if (StopOnSignal::asked()) {
       error = Error{"interrupted", fmt::format("after {} frames", log.frames().size()),
                     "what was written holds the frames so far; run again for all of them"};
       break;

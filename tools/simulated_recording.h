@@ -5,12 +5,13 @@
 #pragma once
 
 #include <string>
-#include <vector>
+#include <utility>
 
 #include <opencv2/core.hpp>
 
 #include "core/base/result.h"
 #include "drivers/simulator.h"
+#include "tools/recording_folder.h"
 
 namespace cliquevo::tools {
 
@@ -26,13 +27,13 @@ class SimulatedRecording {
   Result<void> finish();
 
  private:
-  SimulatedRecording() = default;
+  SimulatedRecording(std::string folder, const StereoCalibration& calibration, RecordingFolder images)
+      : folder_(std::move(folder)), calibration_(calibration), images_(std::move(images)) {}
 
   std::string folder_;
   StereoCalibration calibration_;
-  double rate_hz_ = 0.0;
+  RecordingFolder images_;
   std::string poses_;
-  std::string times_;
   std::int64_t first_stamp_ns_ = 0;
   std::int64_t count_ = 0;
 };

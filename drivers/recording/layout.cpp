@@ -94,7 +94,8 @@ Result<Layout> find_layout(const std::string& path) {
   std::error_code ec;
   if (path.empty()) return Error{"no such recording", "empty name", "name the folder that holds both eyes"};
   if (!fs::exists(path, ec)) return Error{"no such recording", path, "check the name of the folder"};
-  if (!fs::is_directory(path, ec)) return Error{"recording is no folder", path, "name the folder that holds both eyes"};
+  if (!fs::is_directory(path, ec))
+    return Error{"recording is no folder", path, "name the folder that holds both eyes, or an LCM event log"};
   for (const auto find : {find_euroc, find_kitti_raw, find_kitti_odometry, find_two_folders}) {
     Result<std::optional<Layout>> found = find(path);
     if (!found) return found.error();
@@ -102,8 +103,8 @@ Result<Layout> find_layout(const std::string& path) {
   }
   if (fs::is_empty(path, ec)) return Error{"recording folder is empty", path, "copy the recording again"};
   return Error{"no stereo recording", path,
-               "expected KITTI (image_0, image_1 or image_00/data, image_01/data), EuRoC (mav0/cam0, mav0/cam1) or two "
-               "folders of images (left, right)"};
+               "expected KITTI (image_0, image_1 or image_00/data, image_01/data), EuRoC (mav0/cam0, mav0/cam1), two "
+               "folders of images (left, right) or LCM logs (*.lcm)"};
 }
 
 }  // namespace cliquevo::drivers

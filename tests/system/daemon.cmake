@@ -22,3 +22,7 @@ if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
   target_compile_definitions(test_system_service PRIVATE
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()
+if(TARGET cliquevod)
+  cliquevo_add_system_test(test_system_recording SOURCES recording_test.cpp
+    LIBRARIES cliquevo_recording PkgConfig::LCM DEPENDS cliquevod cliquevo)
+endif()

@@ -1,0 +1,340 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/aravis/aravis_camera.h"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "drivers/recording/bytes.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+constexpr int kBuffers = 16;
+constexpr int kSocketBuffer = 8 << 20;
+constexpr int kPriority = 20;  // of who takes packets: below stereo and odometry, above all that may wait
+constexpr double kHopePeriods = 0.25;
+constexpr int kNice = -10;                              // where that right is not granted
+constexpr std::uint32_t kActionDeviceKey = 0x636c7176;  // "clqv"
+constexpr std::uint32_t kActionGroupKey = 1;
+
+// Looking for cameras and opening them is not safe from two threads at once.
+std::mutex& library_mutex() {
+  static std::mutex mutex;
+  return mutex;
+}
+
+int bits_of(ArvPixelFormat format) {
+  switch (format) {
+    case ARV_PIXEL_FORMAT_MONO_8:
+      return 8;
+    case ARV_PIXEL_FORMAT_MONO_10:
+      return 10;
+    case ARV_PIXEL_FORMAT_MONO_12:
+      return 12;
+    case ARV_PIXEL_FORMAT_MONO_14:
+      return 14;
+    case ARV_PIXEL_FORMAT_MONO_16:
+      return 16;
+    default:
+      return 0;
+  }
+}
+
+bool has_feature(ArvCamera* camera, const char* feature) {
+  GlibError error;
+  return arv_camera_is_feature_available(camera, feature, error.out()) != 0 && !error.failed();
+}
+
+// The library's name of the camera that is called so: by serial number, address or any other name of it.
+std::optional<std::string> find_device(const std::string& name) {
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
+    for (const char* known : {arv_get_device_serial_nbr(i), arv_get_device_address(i), arv_get_device_id(i),
+                              arv_get_device_physical_id(i)}) {
+      if (known != nullptr && name == known) return arv_get_device_id(i);
+    }
+  }
+  return std::nullopt;
+}
+
+Error unknown_camera(const std::string& name) {
+  std::vector<std::string> seen;
+  for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
+    seen.push_back(fmt::format("{} ({})", arv_get_device_serial_nbr(i), arv_get_device_address(i)));
+  }
+  return {"no such camera", name,
+          seen.empty() ? "none answers: check cable, power and the network's addresses"
+                       : fmt::format("there is {}", fmt::join(seen, ", "))};
+}
+
+}  // namespace
+
+std::vector<FeatureSetting> trigger_settings(const CameraOptions& options) {
+  switch (options.trigger) {
+    case CameraTrigger::off:
+      return {{"TriggerMode", "Off"}};
+    case CameraTrigger::software:
+      return {{"TriggerSelector", "FrameStart"}, {"TriggerMode", "On"}, {"TriggerSource", "Software"}};
+    case CameraTrigger::hardware:
+      return {{"TriggerSelector", "FrameStart"},
+              {"TriggerMode", "On"},
+              {"TriggerActivation", "RisingEdge"},
+              {"TriggerSource", options.trigger_line}};
+    case CameraTrigger::action:
+      return {{"TriggerSelector", "FrameStart"},
+              {"TriggerMode", "On"},
+              {"TriggerSource", "Action1"},
+              {"ActionDeviceKey", std::to_string(kActionDeviceKey)},
+              {"ActionSelector", "1"},
+              {"ActionGroupKey", std::to_string(kActionGroupKey)},
+              {"ActionGroupMask", std::to_string(kActionGroupKey)}};
+  }
+  return {};
+}
+
+std::vector<std::uint8_t> action_command(std::uint16_t request_id) {
+  std::vector<std::uint8_t> out{0x42, 0x00, 0x01, 0x00};  // key, no acknowledge, ACTION_CMD
+  put_number(out, std::uint16_t{12});
+  put_number(out, request_id);
+  put_number(out, kActionDeviceKey);
+  put_number(out, kActionGroupKey);
+  put_number(out, std::uint32_t{0xffffffff});
+  return out;
+}
+
+void hurry_this_thread() {
+  if (arv_make_thread_realtime(kPriority) == 0) arv_make_thread_high_priority(kNice);
+}
+
+AravisCamera::AravisCamera(AravisCamera&&) noexcept = default;
+AravisCamera::~AravisCamera() {
+  if (camera_ && started_ && !lost()) arv_camera_stop_acquisition(camera_.get(), GlibError().out());
+  stream_.reset();
+  const std::lock_guard<std::mutex> lock(library_mutex());
+  camera_.reset();
+}
+
+Error AravisCamera::refused(const char* what, const std::string& why) const {
+  return {fmt::format("camera refuses {}", what), name_, why};
+}
+
+Result<AravisCamera> AravisCamera::open(const std::string& name, const CameraOptions& options, bool follows,
+                                        bool& busy) {
+  busy = false;
+  AravisCamera out;
+  out.name_ = name;
+  GlibError error;
+  {
+    const std::lock_guard<std::mutex> lock(library_mutex());
+    arv_update_device_list();
+    const std::optional<std::string> id = find_device(name);
+    if (!id) return unknown_camera(name);
+    out.camera_.reset(arv_camera_new(id->c_str(), error.out()));
+    if (!out.camera_) {
+      busy = error.is(ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONTROLLER);
+      return Error{"cannot open camera", name, error.text()};
+    }
+  }
+  ArvDevice* device = arv_camera_get_device(out.camera_.get());
+  if (ARV_IS_GV_DEVICE(device) && arv_gv_device_is_controller(ARV_GV_DEVICE(device)) == 0) {
+    busy = true;
+    return Error{"camera is busy", name, "another program holds it: end that one"};
+  }
+  g_signal_connect(device, "control-lost", G_CALLBACK(+[](ArvGvDevice*, std::atomic<bool>* lost) { *lost = true; }),
+                   out.lost_.get());
+  if (auto ok = out.set_up(options, follows); !ok) return ok.error();
+  if (auto ok = out.open_stream(options); !ok) return ok.error();
+  return out;
+}
+
+Result<void> AravisCamera::choose_format(const std::string& wanted) {
+  GlibError error;
+  guint count = 0;
+  const char** names = arv_camera_dup_available_pixel_formats_as_strings(camera_.get(), &count, error.out());
+  const std::vector<std::string> offered(names, names + (names != nullptr ? count : 0));
+  g_free(names);
+  const std::string format = wanted.empty() ? "Mono8" : wanted;
+  arv_camera_set_pixel_format_from_string(camera_.get(), format.c_str(), error.out());
+  if (error.failed()) {
+    return Error{"pixel format is not offered", fmt::format("{}: {}", name_, format),
+                 fmt::format("it offers {}", fmt::join(offered, ", "))};
+  }
+  bits_ = bits_of(arv_camera_get_pixel_format(camera_.get(), error.out()));
+  if (bits_ != 0) return {};
+  return Error{"pixel format is not grey", fmt::format("{}: {}", name_, format),
+               "choose Mono8, Mono10, Mono12 or Mono16"};
+}
+
+Result<void> AravisCamera::set_up_trigger(const CameraOptions& options) {
+  GlibError error;
+  ArvDevice* device = arv_camera_get_device(camera_.get());
+  for (const FeatureSetting& setting : trigger_settings(options)) {
+    const bool needed = setting.feature != "TriggerActivation" && setting.feature != "TriggerSelector" &&
+                        options.trigger != CameraTrigger::off;
+    if (!needed && !has_feature(camera_.get(), setting.feature.c_str())) continue;
+    arv_device_set_features_from_string(device, (setting.feature + "=" + setting.value).c_str(), error.out());
+    if (error.failed()) {
+      return refused("the trigger", fmt::format("{} = {}: {}", setting.feature, setting.value, error.text()));
+    }
+  }
+  if (options.trigger == CameraTrigger::off && arv_camera_is_frame_rate_available(camera_.get(), error.out()) != 0) {
+    arv_camera_set_frame_rate(camera_.get(), options.rate_hz, error.out());
+    if (error.failed()) return refused("the frame rate", error.text());
+    const double rate_hz = arv_camera_get_frame_rate(camera_.get(), error.out());
+    if (std::abs(rate_hz - options.rate_hz) > 0.05 * options.rate_hz) {
+      return refused("the frame rate", fmt::format("it gives {:.3f} Hz where {:.3f} are asked: set rate_hz to that",
+                                                   rate_hz, options.rate_hz));
+    }
+  }
+  return {};
+}
+
+Result<void> AravisCamera::set_up(const CameraOptions& options, bool follows) {
+  ArvCamera* camera = camera_.get();
+  GlibError error;
+  arv_camera_stop_acquisition(camera, error.out());  // what a program that died left on
+  if (options.binning > 1) {
+    arv_camera_set_binning(camera, options.binning, options.binning, error.out());
+    if (error.failed()) return refused("the binning", error.text());
+  }
+  if (auto ok = choose_format(options.pixel_format); !ok) return ok;
+  gint x = 0;
+  gint y = 0;
+  gint width = 0;
+  gint height = 0;
+  if (options.width > 0 || options.height > 0 || options.offset_x > 0 || options.offset_y > 0) {
+    arv_camera_get_region(camera, &x, &y, &width, &height, error.out());
+    arv_camera_set_region(camera, options.offset_x, options.offset_y, options.width > 0 ? options.width : width,
+                          options.height > 0 ? options.height : height, error.out());
+    if (error.failed()) return refused("the region", error.text());
+  }
+  arv_camera_get_region(camera, &x, &y, &width, &height, error.out());
+  if (error.failed() || width < 16 || height < 16) return refused("to tell its region", error.text());
+  width_ = width;
+  height_ = height;
+  if ((options.width > 0 && width != options.width) || (options.height > 0 && height != options.height)) {
+    return refused("the size", fmt::format("it gives {}x{}: set width and height to that", width, height));
+  }
+  // The follower's own control is off: it takes what the leader found.
+  const bool automatic = !options.exposure_us && !follows;
+  if (has_feature(camera, "ExposureAuto")) {
+    arv_camera_set_exposure_time_auto(camera, automatic ? ARV_AUTO_CONTINUOUS : ARV_AUTO_OFF, error.out());
+  }
+  if (has_feature(camera, "GainAuto")) {
+    arv_camera_set_gain_auto(camera, !options.gain && !follows ? ARV_AUTO_CONTINUOUS : ARV_AUTO_OFF, error.out());
+  }
+  if (options.exposure_us) {
+    arv_camera_set_exposure_time(camera, *options.exposure_us, error.out());
+    if (error.failed()) return refused("the exposure time", error.text());
+  }
+  if (options.gain) {
+    arv_camera_set_gain(camera, *options.gain, error.out());
+    if (error.failed()) return refused("the gain", error.text());
+  }
+  if (options.ptp) {
+    const char* feature = has_feature(camera, "PtpEnable") ? "PtpEnable" : "GevIEEE1588";
+    if (!has_feature(camera, feature)) return refused("PTP", "it does not offer it: set ptp to false");
+    arv_camera_set_boolean(camera, feature, TRUE, error.out());
+    if (error.failed()) return refused("PTP", error.text());
+  }
+  return set_up_trigger(options);
+}
+
+Result<void> AravisCamera::open_stream(const CameraOptions& options) {
+  GlibError error;
+  if (arv_camera_is_gv_device(camera_.get()) != 0) {
+    if (options.packet_size > 0) {
+      arv_camera_gv_set_packet_size(camera_.get(), options.packet_size, error.out());
+    } else {
+      arv_camera_gv_auto_packet_size(camera_.get(), error.out());
+    }
+    if (error.failed()) return refused("the packet size", error.text());
+  }
+  const auto on_event = [](void*, ArvStreamCallbackType event, ArvBuffer*) {
+    if (event == ARV_STREAM_CALLBACK_TYPE_INIT) hurry_this_thread();
+  };
+  stream_.reset(arv_camera_create_stream(camera_.get(), on_event, nullptr, error.out()));
+  if (!stream_) return refused("to stream", error.text());
+  if (ARV_IS_GV_STREAM(stream_.get())) {
+    // Frames behind an incomplete one wait as long as it is hoped for; their arrivals must not scatter by that.
+    const auto hope_us = static_cast<guint>(std::clamp(kHopePeriods * 1e6 / options.rate_hz, 3'000.0, 100'000.0));
+    g_object_set(stream_.get(), "frame-retention", hope_us, "packet-timeout", hope_us / 2, "socket-buffer",
+                 ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", kSocketBuffer, "packet-resend",
+                 options.packet_resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
+                 nullptr);
+  }
+  const auto payload = static_cast<std::size_t>(arv_camera_get_payload(camera_.get(), error.out()));
+  if (error.failed()) return refused("to tell its frames' size", error.text());
+  for (int i = 0; i < kBuffers; ++i) arv_stream_push_buffer(stream_.get(), arv_buffer_new(payload, nullptr));
+  return {};
+}
+
+Result<void> AravisCamera::start() {
+  GlibError error;
+  arv_camera_start_acquisition(camera_.get(), error.out());
+  if (error.failed()) return refused("to start", error.text());
+  started_ = true;
+  return {};
+}
+
+void AravisCamera::convert(AravisFrame& frame, const std::uint8_t* data, std::size_t size) {
+  const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  if (bits_ == 8) {
+    frame.whole = size >= pixels;
+    frame.image = {data, width_, height_, width_};
+    return;
+  }
+  frame.whole = size >= 2 * pixels;
+  if (!frame.whole) return;
+  converted_.resize(width_, height_);
+  for (int y = 0; y < height_; ++y) {
+    std::uint8_t* to = converted_.view().row(y);
+    const std::uint8_t* from = data + 2 * static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
+    for (int x = 0; x < width_; ++x) {  // little-endian
+      to[x] = static_cast<std::uint8_t>((from[2 * x] | from[2 * x + 1] << 8) >> (bits_ - 8));
+    }
+  }
+  frame.image = converted_.cview();
+}
+
+std::optional<AravisFrame> AravisCamera::take(std::uint64_t timeout_us) {
+  AravisFrame frame;
+  frame.buffer = arv_stream_timeout_pop_buffer(stream_.get(), timeout_us);
+  if (frame.buffer == nullptr) return std::nullopt;
+  frame.stamp_ns = static_cast<TimestampNs>(arv_buffer_get_timestamp(frame.buffer));
+  const bool complete = arv_buffer_get_status(frame.buffer) == ARV_BUFFER_STATUS_SUCCESS &&
+                        arv_buffer_get_payload_type(frame.buffer) == ARV_BUFFER_PAYLOAD_TYPE_IMAGE &&
+                        arv_buffer_get_image_width(frame.buffer) == width_ &&
+                        arv_buffer_get_image_height(frame.buffer) == height_;
+  std::size_t size = 0;
+  const auto* data =
+      complete ? static_cast<const std::uint8_t*>(arv_buffer_get_image_data(frame.buffer, &size)) : nullptr;
+  if (data != nullptr) convert(frame, data, size);
+  return frame;
+}
+
+void AravisCamera::give_back(const AravisFrame& frame) { arv_stream_push_buffer(stream_.get(), frame.buffer); }
+
+void AravisCamera::trigger() { arv_camera_software_trigger(camera_.get(), GlibError().out()); }
+
+std::optional<double> AravisCamera::exposure_us() {
+  GlibError error;
+  const double value = arv_camera_get_exposure_time(camera_.get(), error.out());
+  return error.failed() ? std::nullopt : std::optional(value);
+}
+std::optional<double> AravisCamera::gain() {
+  GlibError error;
+  const double value = arv_camera_get_gain(camera_.get(), error.out());
+  return error.failed() ? std::nullopt : std::optional(value);
+}
+void AravisCamera::set_exposure_us(double value) {
+  arv_camera_set_exposure_time(camera_.get(), value, GlibError().out());
+}
+void AravisCamera::set_gain(double value) { arv_camera_set_gain(camera_.get(), value, GlibError().out()); }
+
+}  // namespace cliquevo::drivers

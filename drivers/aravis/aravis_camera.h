@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// One camera through Aravis: opened, set up and streaming.
+#pragma once
+
+#include <atomic>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/image.h"
+#include "core/base/result.h"
+#include "drivers/aravis/handles.h"
+#include "drivers/camera_options.h"
+
+namespace cliquevo::drivers {
+
+// A frame that was taken from the stream; its pixels are valid until it is given back.
+struct AravisFrame {
+  ArvBuffer* buffer = nullptr;
+  bool whole = false;
+  TimestampNs stamp_ns = 0;
+  ImageView<const std::uint8_t> image;
+};
+
+class AravisCamera {
+ public:
+  // follows: takes exposure and gain from the other eye where these are automatic. An error whose `busy` is set may
+  // pass: another program holds the camera, or held it a moment ago.
+  static Result<AravisCamera> open(const std::string& name, const CameraOptions& options, bool follows, bool& busy);
+  AravisCamera(AravisCamera&&) noexcept;
+  AravisCamera& operator=(AravisCamera&&) = delete;
+  ~AravisCamera();
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  Result<void> start();
+  // nullopt: nothing within timeout_us.
+  std::optional<AravisFrame> take(std::uint64_t timeout_us);
+  void give_back(const AravisFrame& frame);
+  bool lost() const { return lost_->load(std::memory_order_relaxed); }
+  void trigger();
+  // The present exposure time [us] and gain; nullopt: cannot be read.
+  std::optional<double> exposure_us();
+  std::optional<double> gain();
+  void set_exposure_us(double value);
+  void set_gain(double value);
+
+ private:
+  AravisCamera() = default;
+  Result<void> set_up(const CameraOptions& options, bool follows);
+  Result<void> set_up_trigger(const CameraOptions& options);
+  Result<void> choose_format(const std::string& wanted);
+  Result<void> open_stream(const CameraOptions& options);
+  Error refused(const char* what, const std::string& why) const;
+  void convert(AravisFrame& frame, const std::uint8_t* data, std::size_t size);
+
+  std::string name_;
+  Handle<ArvCamera> camera_;
+  Handle<ArvStream> stream_;
+  std::unique_ptr<std::atomic<bool>> lost_ = std::make_unique<std::atomic<bool>>(false);
+  bool started_ = false;
+  int width_ = 0;
+  int height_ = 0;
+  int bits_ = 8;  // 8, or more in 16
+  Image<std::uint8_t> converted_;
+};
+
+// Packets that wait too long are lost: real-time priority for the calling thread, as far as it is granted.
+void hurry_this_thread();
+
+// What is asked of a camera for a trigger; apart, so that it can be tested without cameras.
+struct FeatureSetting {
+  std::string feature;
+  std::string value;  // text, or a number
+  bool operator==(const FeatureSetting&) const = default;
+};
+std::vector<FeatureSetting> trigger_settings(const CameraOptions& options);
+// The packet that triggers all cameras which listen to these keys (GVCP ACTION_CMD).
+std::vector<std::uint8_t> action_command(std::uint16_t request_id);
+
+}  // namespace cliquevo::drivers

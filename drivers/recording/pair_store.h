@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The pairs of a recording by number, wherever they lie; and the source that plays them.
+#pragma once
+
+#include <memory>
+
+#include "core/base/result.h"
+#include "drivers/frame_source.h"
+#include "drivers/recording.h"
+
+namespace cliquevo::drivers {
+
+class PairStore {
+ public:
+  virtual ~PairStore() = default;
+  virtual std::int64_t size() const = 0;
+  virtual TimestampNs stamp_ns(std::int64_t i) const = 0;
+  // Images (and what else is known) of pair i; index and stamp are the caller's. One thread at a time.
+  virtual Result<void> load(std::int64_t i, StereoPair& pair) = 0;
+};
+
+// Numbers of the pairs that options choose of `count`.
+Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const RecordingOptions& options);
+
+// Plays the store's pairs by the options: from first to last, or to and fro; read ahead by a thread or not.
+std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, SourceInfo info,
+                                        const RecordingOptions& options);
+
+// A log or a folder of logs (drivers/recording/log_recording.cpp).
+Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& files, const RecordingOptions& options);
+// The logs that a path means: itself, or those in the folder; empty = it means something else.
+std::vector<std::string> find_logs(const std::string& path);
+
+Result<void> read_masks(const RecordingOptions& options, const std::string& root, SourceInfo& info);
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/recording/stereo_message.h"
+
+#include <array>
+#include <optional>
+#include <string_view>
+
+#include <cliquevo/images_t.hpp>
+#include <fmt/format.h>
+
+#include "drivers/recording/bytes.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+constexpr std::string_view kStampKey = "stamp_ns";
+constexpr std::string_view kHostKey = "host_ns";
+
+std::int64_t floor_us(std::int64_t ns) { return ns / 1000 - (ns % 1000 < 0 ? 1 : 0); }
+
+void put_metadata(std::vector<std::uint8_t>& out, std::string_view key, std::int64_t value) {
+  put_number(out, static_cast<std::int32_t>(key.size() + 1));
+  out.insert(out.end(), key.begin(), key.end());
+  out.push_back(0);
+  put_number(out, std::int32_t{8});
+  put_number(out, value);
+}
+
+void put_eye(std::vector<std::uint8_t>& out, const Image<std::uint8_t>& image, TimestampNs stamp_ns,
+             TimestampNs host_ns) {
+  put_number(out, floor_us(stamp_ns));
+  put_number(out, static_cast<std::int32_t>(image.width()));
+  put_number(out, static_cast<std::int32_t>(image.height()));
+  put_number(out, static_cast<std::int32_t>(image.width()));
+  put_number(out, image_t::PIXEL_FORMAT_GRAY);
+  put_number(out, static_cast<std::int32_t>(image.width() * image.height()));
+  const ImageView<const std::uint8_t> view = image.cview();
+  for (int y = 0; y < view.height; ++y) out.insert(out.end(), view.row(y), view.row(y) + view.width);
+  put_number(out, std::int32_t{host_ns != 0 ? 2 : 1});
+  put_metadata(out, kStampKey, stamp_ns);
+  if (host_ns != 0) put_metadata(out, kHostKey, host_ns);
+}
+
+std::string_view text(ByteReader& reader) {
+  const auto length = reader.number<std::int32_t>();
+  const std::uint8_t* bytes = length > 0 ? reader.bytes(static_cast<std::size_t>(length)) : nullptr;
+  return bytes == nullptr
+             ? std::string_view{}
+             : std::string_view(reinterpret_cast<const char*>(bytes), static_cast<std::size_t>(length - 1));
+}
+
+Error unusable(const std::string& name, const std::string& why) { return {"cannot use stereo message", name, why}; }
+
+void read_metadata(ByteReader& reader, StereoMessageEye& eye) {
+  const auto count = reader.number<std::int32_t>();
+  for (std::int32_t i = 0; i < count && reader.ok(); ++i) {
+    const std::string_view key = text(reader);
+    const auto length = reader.number<std::int32_t>();
+    const std::uint8_t* value = length >= 0 ? reader.bytes(static_cast<std::size_t>(length)) : nullptr;
+    if (value == nullptr || length != 8) continue;
+    const auto number = ByteReader(value, 8).number<std::int64_t>();
+    if (key == kStampKey) eye.stamp_ns = number;
+    if (key == kHostKey) eye.host_ns = number;
+  }
+}
+
+Result<StereoMessageEye> read_eye(ByteReader& reader, const std::string& name) {
+  StereoMessageEye eye;
+  eye.stamp_ns = reader.number<std::int64_t>();
+  if (eye.stamp_ns > INT64_MAX / 1000 || eye.stamp_ns < INT64_MIN / 1000) return unusable(name, "its stamp is absurd");
+  eye.stamp_ns *= 1000;
+  const auto width = reader.number<std::int32_t>();
+  const auto height = reader.number<std::int32_t>();
+  const auto stride = reader.number<std::int32_t>();
+  const auto format = reader.number<std::int32_t>();
+  const auto size = reader.number<std::int32_t>();
+  if (!reader.ok() || size < 0) return unusable(name, "it is torn: record again");
+  const std::uint8_t* pixels = reader.bytes(static_cast<std::size_t>(size));
+  read_metadata(reader, eye);
+  if (!reader.ok() || pixels == nullptr) return unusable(name, "it is torn: record again");
+  if (format != image_t::PIXEL_FORMAT_GRAY) {
+    return unusable(name, fmt::format("its pixel format is {}: record grey images of 8 bits ({})", format,
+                                      image_t::PIXEL_FORMAT_GRAY));
+  }
+  if (width <= 0 || height <= 0 || stride < width || width > 65536 || height > 65536 ||
+      std::int64_t{stride} * (height - 1) + width > size) {
+    return unusable(name, fmt::format("an image of {}x{} does not fit its {} bytes", width, height, size));
+  }
+  eye.image = {pixels, width, height, stride};
+  return eye;
+}
+
+}  // namespace
+
+void encode_stereo(const StereoPair& pair, std::vector<std::uint8_t>& out) {
+  out.clear();
+  put_number(out, images_t::getHash());
+  put_number(out, floor_us(pair.stamp_ns));
+  put_number(out, std::int32_t{2});
+  put_number(out, images_t::LEFT);
+  put_number(out, images_t::RIGHT);
+  put_eye(out, pair.left, pair.stamp_ns, pair.host_ns);
+  put_eye(out, pair.right, pair.stamp_ns + pair.right_offset_ns, 0);
+}
+
+StereoMessageStart parse_stereo_start(const std::uint8_t* data, std::size_t size) {
+  ByteReader reader(data, size);
+  StereoMessageStart start;
+  if (reader.number<std::int64_t>() != images_t::getHash()) return start;
+  const auto utime = reader.number<std::int64_t>();
+  if (!reader.ok() || utime > INT64_MAX / 1000 || utime < INT64_MIN / 1000) return start;
+  start.utime = utime;
+  const auto count = reader.number<std::int32_t>();
+  if (count < 1 || count > 64 || reader.number<std::int16_t>() != images_t::LEFT) return start;
+  reader.bytes(static_cast<std::size_t>(2 * (count - 1)));
+  reader.number<std::int64_t>();
+  reader.bytes(4 * sizeof(std::int32_t));
+  const auto pixels = reader.number<std::int32_t>();
+  if (reader.ok() && pixels >= 0) start.metadata_at = static_cast<std::int64_t>(size - reader.left()) + pixels;
+  return start;
+}
+
+std::optional<TimestampNs> parse_stereo_stamp(const std::uint8_t* metadata, std::size_t size) {
+  ByteReader reader(metadata, size);
+  StereoMessageEye eye;
+  eye.stamp_ns = INT64_MIN;
+  read_metadata(reader, eye);
+  return eye.stamp_ns == INT64_MIN ? std::nullopt : std::optional(eye.stamp_ns);
+}
+
+bool is_images_message(const std::uint8_t* data, std::size_t size) {
+  ByteReader reader(data, size);
+  return reader.number<std::int64_t>() == images_t::getHash() && reader.ok();
+}
+
+Result<StereoMessage> parse_stereo(const std::uint8_t* data, std::size_t size, const std::string& name) {
+  ByteReader reader(data, size);
+  if (reader.number<std::int64_t>() != images_t::getHash()) {
+    return unusable(name, "it is of another type than images_t: name a log of stereo pairs");
+  }
+  reader.number<std::int64_t>();
+  const auto count = reader.number<std::int32_t>();
+  if (!reader.ok() || count < 0 || count > 64) return unusable(name, "it is torn: record again");
+  std::array<std::int16_t, 64> types{};
+  for (std::int32_t i = 0; i < count; ++i) types[static_cast<std::size_t>(i)] = reader.number<std::int16_t>();
+  std::optional<StereoMessageEye> left;
+  std::optional<StereoMessageEye> right;
+  for (std::int32_t i = 0; i < count; ++i) {
+    const std::int16_t type = types[static_cast<std::size_t>(i)];
+    auto eye = read_eye(reader, name);
+    if (!eye) return eye.error();
+    if (type == images_t::LEFT) left = *eye;
+    if (type == images_t::RIGHT) right = *eye;
+  }
+  if (!left || !right) return unusable(name, "it lacks the left or the right image");
+  return StereoMessage{*left, *right};
+}
+
+}  // namespace cliquevo::drivers

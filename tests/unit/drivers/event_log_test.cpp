@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Whatever is left of a log plays up to its last whole pair, and says what is missing.
+#include "drivers/recording/event_log.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "drivers/recorder.h"
+#include "drivers/recording.h"
+#include "tests/support/test_data.h"
+#include "tests/unit/drivers/made_up_source.h"
+
+namespace cliquevo::drivers {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kPairs = 6;
+
+std::string make_log() {
+  const std::string path = test::scratch_dir() + "/a.lcm";
+  const SourceInfo info = test::made_up_info(32, 24);
+  RecorderOptions options;
+  options.path = path;
+  options.wait_when_full = true;
+  auto recorder = Recorder::start(options, info);
+  EXPECT_TRUE(recorder.ok());
+  StereoPair pair;
+  for (std::int64_t i = 0; i < kPairs; ++i) {
+    test::make_up_pair(i, info, pair);
+    recorder->add(pair, pair.stamp_ns / 1000);
+  }
+  EXPECT_TRUE(recorder->stop().ok());
+  return path;
+}
+
+Result<std::unique_ptr<FrameSource>> open(const std::string& path) {
+  RecordingOptions options;
+  options.path = path;
+  options.read_ahead = false;
+  return open_recording(options);
+}
+
+struct Played {
+  std::int64_t whole = 0;
+  std::int64_t errors = 0;
+};
+// Plays all; no pair may be another than it was.
+Played play(FrameSource& source) {
+  Played played;
+  StereoPair pair;
+  for (std::int64_t i = 0; i < 2 * kPairs; ++i) {
+    const auto more = source.next(pair);
+    if (more.ok() && !*more) break;
+    if (more.ok()) {
+      ++played.whole;
+    } else {
+      ++played.errors;
+    }
+  }
+  return played;
+}
+
+TEST(EventLog, CutAtAnyPlaceItPlaysEveryPairThatIsWhole) {
+  const std::string path = make_log();
+  const auto size = static_cast<std::int64_t>(fs::file_size(path));
+  const std::string cut = test::scratch_dir() + "/cut.lcm";
+  std::int64_t most = 0;
+  for (std::int64_t length = size; length >= 0; length -= 97) {
+    fs::copy_file(path, cut, fs::copy_options::overwrite_existing);
+    fs::resize_file(cut, static_cast<std::uintmax_t>(length));
+    const auto source = open(cut);
+    if (!source.ok()) {
+      EXPECT_LT(length, 28 + 8 + 700 + 2000) << source.error().line();
+      continue;
+    }
+    const Played played = play(**source);
+    EXPECT_EQ(played.errors, 0);
+    EXPECT_EQ(played.whole, (*source)->info().frame_count);
+    const bool told = (*source)->info().description.find("cut off") != std::string::npos;
+    if (length == size) {
+      EXPECT_EQ(played.whole, kPairs);
+      EXPECT_FALSE(told);
+    }
+    if (most > played.whole && length < size) {
+      EXPECT_TRUE(told || played.whole < most);
+    }
+    most = played.whole;
+  }
+}
+
+TEST(EventLog, DamageInTheMiddleCostsThatPairAloneAndIsTold) {
+  const std::string path = make_log();
+  std::int64_t third = 0;
+  {
+    const auto log = EventLogReader::open(path);
+    ASSERT_TRUE(log.ok());
+    int seen = 0;
+    log->scan([&](std::string_view channel, const LoggedEvent& event) {
+      if (channel == "VO_STEREO" && ++seen == 3) third = event.data_at - 28 - static_cast<std::int64_t>(channel.size());
+    });
+  }
+  ASSERT_GT(third, 0);
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(third);
+  file.write("junk", 4);
+  file.close();
+  const auto source = open(path);
+  ASSERT_TRUE(source.ok()) << source.error().line();
+  EXPECT_EQ(play(**source).whole, kPairs - 1);
+  EXPECT_NE((*source)->info().description.find("damaged in 1 places"), std::string::npos)
+      << (*source)->info().description;
+}
+
+TEST(EventLog, FlippedBytesAnywhereNeverCrashIt) {
+  const std::string path = make_log();
+  std::ifstream in(path, std::ios::binary);
+  const std::string whole((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const std::string broken = test::scratch_dir() + "/broken.lcm";
+  std::uint64_t state = 7;
+  const auto random = [&state](std::size_t below) {
+    state = state * 6364136223846793005U + 1442695040888963407U;
+    return static_cast<std::size_t>(state >> 33U) % below;
+  };
+  for (int round = 0; round < 400; ++round) {
+    std::string bytes = whole;
+    // Half of the rounds in the beginning, where lengths and the calibration are.
+    const std::size_t range = round % 2 == 0 ? 1500 : bytes.size();
+    for (int i = 0; i < 4; ++i) bytes[random(range)] = static_cast<char>(random(256));
+    std::ofstream(broken, std::ios::binary) << bytes;
+    const auto source = open(broken);
+    if (source.ok()) play(**source);
+  }
+}
+
+TEST(EventLog, AFileThatIsNoLogIsRefusedInOneLine) {
+  const std::string path = test::scratch_dir() + "/a.lcm";
+  std::ofstream(path) << "no log at all";
+  const auto source = open(path);
+  ASSERT_FALSE(source.ok());
+  EXPECT_NE(source.error().line().find("LCM event log"), std::string::npos) << source.error().line();
+}
+
+}  // namespace
+}  // namespace cliquevo::drivers
