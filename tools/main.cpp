@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "tools/cameras.h"
 #include "tools/commands.h"
 #include "tools/doctor.h"
 #include "tools/exit_code.h"
@@ -38,6 +39,7 @@ int run(int argc, char** argv) {
   add_disparity_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_simulate_command(app, exit_code);
+  add_cameras_command(app, exit_code);
   add_record_command(app, exit_code);
   add_convert_command(app, exit_code);
 #ifdef CLIQUEVO_ARAVIS

@@ -1,0 +1,17 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Stereo pairs through libcamera: two cameras, or one that delivers both eyes.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "drivers/camera_options.h"
+
+namespace cliquevo::drivers {
+
+// From then on a camera that is unplugged is looked for under its id until it is back.
+Result<std::unique_ptr<FrameSource>> open_libcamera(const CameraOptions& options);
+
+std::vector<SeenCamera> list_libcamera();
+
+}  // namespace cliquevo::drivers

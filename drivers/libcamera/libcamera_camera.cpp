@@ -1,0 +1,222 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/libcamera/libcamera_camera.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <linux/videodev2.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace cliquevo::drivers {
+
+namespace {
+
+using libcamera::PixelFormat;
+
+constexpr unsigned kBuffers = 6;
+
+std::int64_t now_ns(clockid_t clock) {
+  timespec now = {};
+  ::clock_gettime(clock, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+// libcamera names formats as the kernel's display side does; all but the grey ones are called alike.
+std::uint32_t to_v4l2(std::uint32_t fourcc) {
+  switch (fourcc) {
+    case v4l2_fourcc('R', '8', ' ', ' '):
+      return V4L2_PIX_FMT_GREY;
+    case v4l2_fourcc('R', '1', '0', ' '):
+      return V4L2_PIX_FMT_Y10;
+    case v4l2_fourcc('R', '1', '2', ' '):
+      return V4L2_PIX_FMT_Y12;
+    default:
+      return fourcc;
+  }
+}
+
+}  // namespace
+
+libcamera::CameraManager* camera_manager() {
+  static libcamera::CameraManager manager;
+  static const bool started = manager.start() == 0;
+  return started ? &manager : nullptr;
+}
+
+Error LibcameraCamera::refused(const std::string& what) const {
+  return {fmt::format("camera refuses {}", what), id_, "check its settings (`cliquevo cameras` lists what there is)"};
+}
+
+Result<std::unique_ptr<LibcameraCamera>> LibcameraCamera::open(const std::string& id, const CameraOptions& options,
+                                                               std::function<void(const LibcameraFrame&)> on_frame) {
+  libcamera::CameraManager* manager = camera_manager();
+  if (manager == nullptr) return Error{"libcamera does not start", id, "its own lines above tell why"};
+  std::unique_ptr<LibcameraCamera> out(new LibcameraCamera());
+  out->id_ = id;
+  out->on_frame_ = std::move(on_frame);
+  out->camera_ = manager->get(id);
+  if (!out->camera_) {
+    std::vector<std::string> seen;
+    for (const auto& camera : manager->cameras()) seen.push_back(camera->id());
+    return Error{"no such camera", id,
+                 seen.empty() ? "libcamera sees none: check cable, power and the group video"
+                              : fmt::format("there is {}", fmt::join(seen, ", "))};
+  }
+  const int acquired = out->camera_->acquire();
+  if (acquired != 0) return Error{"camera is busy", id, "another program holds it: end that one"};
+  out->acquired_ = true;
+  if (auto ok = out->configure(options); !ok) return ok.error();
+  if (auto ok = out->map_buffers(); !ok) return ok.error();
+  if (auto ok = out->set_controls(options); !ok) return ok.error();
+  out->camera_->requestCompleted.connect(out.get(), &LibcameraCamera::completed);
+  out->camera_->disconnected.connect(out.get(), &LibcameraCamera::disconnected);
+  return out;
+}
+
+LibcameraCamera::~LibcameraCamera() {
+  stopping_ = true;
+  if (camera_) {
+    if (started_) camera_->stop();
+    camera_->requestCompleted.disconnect(this);
+    camera_->disconnected.disconnect(this);
+  }
+  requests_.clear();
+  for (const auto& [buffer, mapped] : mapped_) ::munmap(mapped.data, mapped.size);
+  if (allocator_ && configuration_) allocator_->free(configuration_->at(0).stream());
+  allocator_.reset();
+  if (acquired_) camera_->release();
+}
+
+Result<void> LibcameraCamera::configure(const CameraOptions& options) {
+  configuration_ = video_configuration(*camera_);
+  if (!configuration_ || configuration_->empty()) return refused("to be configured");
+  libcamera::StreamConfiguration& stream = configuration_->at(0);
+  std::vector<std::string> names;
+  PixelFormat wanted;
+  for (const PixelFormat& format : stream.formats().pixelformats()) {
+    names.push_back(format.toString());
+    const bool named = !options.pixel_format.empty() && format.toString() == options.pixel_format;
+    const bool first_known =
+        options.pixel_format.empty() && !wanted.isValid() && is_known_format(to_v4l2(format.fourcc()));
+    const bool grey = options.pixel_format.empty() && to_v4l2(format.fourcc()) == V4L2_PIX_FMT_GREY;
+    if (named || first_known || grey) wanted = format;
+  }
+  if (!wanted.isValid() || !is_known_format(to_v4l2(wanted.fourcc()))) {
+    return Error{"pixel format is not offered",
+                 fmt::format("{}: {}", id_, options.pixel_format.empty() ? "any that is known" : options.pixel_format),
+                 fmt::format("it offers {}", fmt::join(names, ", "))};
+  }
+  stream.pixelFormat = wanted;
+  const int eyes = eye_width(options.layout, to_v4l2(wanted.fourcc()), 2) == 2 ? 1 : 2;
+  if (options.width > 0) stream.size.width = static_cast<unsigned>(options.width * eyes);
+  if (options.height > 0) stream.size.height = static_cast<unsigned>(options.height);
+  stream.bufferCount = kBuffers;
+  if (configuration_->validate() == libcamera::CameraConfiguration::Invalid) return refused("the configuration");
+  const bool as_wanted = stream.pixelFormat == wanted &&
+                         (options.width == 0 || stream.size.width == static_cast<unsigned>(options.width * eyes)) &&
+                         (options.height == 0 || stream.size.height == static_cast<unsigned>(options.height));
+  if (!as_wanted) {
+    return Error{"camera refuses the size", id_,
+                 fmt::format("it gives {}: set width and height to what it can (0 = as it likes)", stream.toString())};
+  }
+  if (camera_->configure(configuration_.get()) != 0) return refused("the configuration");
+  width_ = static_cast<int>(stream.size.width);
+  height_ = static_cast<int>(stream.size.height);
+  stride_ = stream.stride;
+  fourcc_ = to_v4l2(stream.pixelFormat.fourcc());
+  return {};
+}
+
+Result<void> LibcameraCamera::map_buffers() {
+  libcamera::Stream* stream = configuration_->at(0).stream();
+  allocator_ = std::make_unique<libcamera::FrameBufferAllocator>(camera_);
+  if (allocator_->allocate(stream) < 0) return refused("buffers");
+  for (const auto& buffer : allocator_->buffers(stream)) {
+    // All planes lie in one piece of memory, the grey one first.
+    const auto& plane = buffer->planes().front();
+    const std::size_t offset = plane.offset == libcamera::FrameBuffer::Plane::kInvalidOffset ? 0 : plane.offset;
+    const std::size_t size = offset + plane.length;
+    void* data = ::mmap(nullptr, size, PROT_READ, MAP_SHARED, plane.fd.get(), 0);
+    if (data == MAP_FAILED) return refused("to share its buffers");
+    mapped_[buffer.get()] = {static_cast<std::uint8_t*>(data), size, offset};
+    auto request = camera_->createRequest();
+    if (!request || request->addBuffer(stream, buffer.get()) != 0) return refused("requests");
+    requests_.push_back(std::move(request));
+  }
+  return {};
+}
+
+Result<void> LibcameraCamera::set_controls(const CameraOptions& options) {
+  const libcamera::ControlInfoMap& offered = camera_->controls();
+  controls_ = libcamera::ControlList(offered);
+  const auto has = [&offered](const libcamera::ControlId& id) { return offered.find(&id) != offered.end(); };
+  if (has(libcamera::controls::FrameDurationLimits)) {
+    const auto period_us = static_cast<std::int64_t>(std::llround(1e6 / options.rate_hz));
+    const std::int64_t limits[2] = {period_us, period_us};
+    controls_.set(libcamera::controls::FrameDurationLimits, libcamera::Span<const std::int64_t, 2>(limits));
+  }
+  if (options.exposure_us) {
+    if (!has(libcamera::controls::ExposureTime)) return refused("the exposure time (set exposure_us to auto)");
+    if (has(libcamera::controls::AeEnable)) controls_.set(libcamera::controls::AeEnable, false);
+    controls_.set(libcamera::controls::ExposureTime, static_cast<std::int32_t>(std::lround(*options.exposure_us)));
+  }
+  if (options.gain) {
+    if (!has(libcamera::controls::AnalogueGain)) return refused("the gain (set gain to auto)");
+    controls_.set(libcamera::controls::AnalogueGain, static_cast<float>(*options.gain));
+  }
+  return {};
+}
+
+Result<void> LibcameraCamera::start() {
+  last_frame_mono_ns_ = now_ns(CLOCK_MONOTONIC);
+  if (camera_->start(&controls_) != 0) return refused("to start");
+  started_ = true;
+  for (const auto& request : requests_) {
+    if (camera_->queueRequest(request.get()) != 0) return refused("requests");
+  }
+  return {};
+}
+
+void LibcameraCamera::follow(std::int32_t exposure_us, float gain) {
+  follow_exposure_us_ = exposure_us;
+  follow_gain_ = gain;
+}
+
+void LibcameraCamera::completed(libcamera::Request* request) {
+  if (stopping_ || request->status() == libcamera::Request::RequestCancelled) return;
+  const libcamera::FrameBuffer* buffer = request->buffers().begin()->second;
+  const libcamera::FrameMetadata& metadata = buffer->metadata();
+  LibcameraFrame frame;
+  frame.arrival_mono_ns = now_ns(CLOCK_MONOTONIC);
+  frame.arrival_utc_ns = now_ns(CLOCK_REALTIME);
+  last_frame_mono_ns_ = frame.arrival_mono_ns;
+  const auto sensor_ns = request->metadata().get(libcamera::controls::SensorTimestamp);
+  const std::int64_t stamp_ns = sensor_ns ? *sensor_ns : static_cast<std::int64_t>(metadata.timestamp);
+  frame.stamp_utc_ns = stamp_ns + (frame.arrival_utc_ns - frame.arrival_mono_ns);
+  if (const auto exposure_us = request->metadata().get(libcamera::controls::ExposureTime)) {
+    exposure_us_ = *exposure_us;
+    frame.stamp_utc_ns += std::int64_t{*exposure_us} * 500;  // the stamp is of its start
+  }
+  if (const auto gain = request->metadata().get(libcamera::controls::AnalogueGain)) gain_ = *gain;
+  const Mapped& mapped = mapped_.at(buffer);
+  frame.whole = metadata.status == libcamera::FrameMetadata::FrameSuccess;
+  const std::size_t used = metadata.planes().empty() ? 0 : metadata.planes()[0].bytesused;
+  frame.raw = {
+      mapped.data + mapped.offset, std::min(used, mapped.size - mapped.offset), fourcc_, width_, height_, stride_};
+  on_frame_(frame);
+  request->reuse(libcamera::Request::ReuseBuffers);
+  if (follow_exposure_us_ > 0) {
+    request->controls().set(libcamera::controls::AeEnable, false);
+    request->controls().set(libcamera::controls::ExposureTime, follow_exposure_us_.load());
+    if (follow_gain_ > 0.0F) request->controls().set(libcamera::controls::AnalogueGain, follow_gain_.load());
+  }
+  if (camera_->queueRequest(request) != 0) lost_ = true;
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Cameras of libcamera as pairs, before anything is known of their calibration.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "drivers/camera_options.h"
+#include "drivers/libcamera/libcamera_camera.h"
+#include "drivers/live_pairs.h"
+
+namespace cliquevo::drivers {
+
+class LibcameraPairs {
+ public:
+  static Result<std::unique_ptr<LibcameraPairs>> open(const CameraOptions& options);
+  ~LibcameraPairs();
+  LibcameraPairs(const LibcameraPairs&) = delete;
+  LibcameraPairs& operator=(const LibcameraPairs&) = delete;
+
+  int width() const { return width_; }
+  int height() const { return height_; }
+  bool next(StereoPair& pair) { return pairs_->next(pair); }
+  void interrupt() { pairs_->interrupt(); }
+  std::string status() const { return pairs_->status(); }
+
+ private:
+  explicit LibcameraPairs(const CameraOptions& options) : options_(options) {}
+  Result<std::unique_ptr<LibcameraCamera>> open_eye(Eye eye);
+  void hand_on(Eye eye, const LibcameraFrame& frame);
+  void watch();
+
+  CameraOptions options_;
+  int width_ = 0;
+  int height_ = 0;
+  std::uint32_t fourcc_ = 0;
+  std::unique_ptr<LivePairs> pairs_;
+  Image<std::uint8_t> grey_[2][2];               // libcamera's thread's: eye of the camera, half of its frame
+  std::unique_ptr<LibcameraCamera> cameras_[2];  // once it runs, the watching thread's
+  std::atomic<bool> stop_{false};
+  std::thread watcher_;
+};
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,326 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/v4l2/v4l2_camera.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <ctime>
+#include <fcntl.h>
+#include <grp.h>
+#include <linux/videodev2.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace cliquevo::drivers {
+
+namespace {
+
+constexpr std::uint32_t kBuffers = 6;
+
+int control_device(int descriptor, unsigned long request, void* argument) {
+  int result = 0;
+  do {
+    result = ::ioctl(descriptor, request, argument);
+  } while (result < 0 && errno == EINTR);
+  return result;
+}
+
+std::int64_t now_ns(clockid_t clock) {
+  timespec now = {};
+  ::clock_gettime(clock, &now);
+  return std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+}
+
+std::string group_of(const std::string& path) {
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) != 0) return "video";
+  const group* entry = ::getgrgid(status.st_gid);
+  return entry != nullptr ? entry->gr_name : std::to_string(status.st_gid);
+}
+
+std::string plain_name(const char* name) {
+  std::string out;
+  for (const char* c = name; *c != '\0'; ++c) {
+    if (std::isalnum(static_cast<unsigned char>(*c)) != 0) {
+      out += static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
+    } else if (!out.empty() && out.back() != '_') {
+      out += '_';
+    }
+  }
+  while (!out.empty() && out.back() == '_') out.pop_back();
+  return out;
+}
+
+Error cannot_open(const std::string& path) {
+  if (errno == EACCES || errno == EPERM) {
+    const std::string group = group_of(path);
+    return {"no permission for camera", path, fmt::format("join the group {0}: adduser USER {0}", group)};
+  }
+  if (errno == EBUSY) return {"camera is busy", path, "another program holds it: end that one"};
+  return {"cannot open camera", path, std::string(std::strerror(errno)) + ": check that it is plugged in"};
+}
+
+}  // namespace
+
+std::vector<std::uint32_t> v4l2_formats(int descriptor) {
+  std::vector<std::uint32_t> out;
+  v4l2_fmtdesc description = {};
+  description.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  for (; control_device(descriptor, VIDIOC_ENUM_FMT, &description) == 0; ++description.index) {
+    out.push_back(description.pixelformat);
+  }
+  return out;
+}
+
+V4l2Camera::V4l2Camera(V4l2Camera&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      width_(other.width_),
+      height_(other.height_),
+      stride_(other.stride_),
+      fourcc_(other.fourcc_),
+      buffers_(std::move(other.buffers_)),
+      taken_(other.taken_),
+      exposure_ns_(other.exposure_ns_) {
+  other.buffers_.clear();
+}
+
+V4l2Camera::~V4l2Camera() {
+  for (const Mapped& buffer : buffers_) ::munmap(buffer.data, buffer.size);
+  if (descriptor_ >= 0) ::close(descriptor_);  // ends the streaming, too
+}
+
+Error V4l2Camera::refused(const std::string& what) const {
+  if (errno == EBUSY) return {"camera is busy", path_, "another program holds it: end that one"};
+  return {fmt::format("camera refuses {}", what), path_, std::strerror(errno)};
+}
+
+Result<V4l2Camera> V4l2Camera::open(const std::string& path, const CameraOptions& options, bool follows) {
+  V4l2Camera out;
+  out.path_ = path;
+  out.descriptor_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (out.descriptor_ < 0) return cannot_open(path);
+  v4l2_capability capability = {};
+  if (control_device(out.descriptor_, VIDIOC_QUERYCAP, &capability) != 0) {
+    return Error{"no camera", path, "name a device of Video4Linux (`cliquevo cameras` lists them)"};
+  }
+  const std::uint32_t can =
+      (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
+  if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) {
+    return Error{"device captures no video", path, "name another of its nodes (`cliquevo cameras` lists them)"};
+  }
+  if (auto ok = out.choose_format(options); !ok) return ok.error();
+  if (auto ok = out.set_rate(options.rate_hz); !ok) return ok.error();
+  if (auto ok = out.set_controls(options, follows); !ok) return ok.error();
+  if (auto ok = out.map_buffers(); !ok) return ok.error();
+  return out;
+}
+
+Result<void> V4l2Camera::choose_format(const CameraOptions& options) {
+  const std::vector<std::uint32_t> offered = v4l2_formats(descriptor_);
+  std::vector<std::string> names;
+  for (const std::uint32_t fourcc : offered) names.push_back(fourcc_name(fourcc));
+  std::uint32_t wanted = 0;
+  if (!options.pixel_format.empty()) {
+    const auto named = std::find(names.begin(), names.end(), options.pixel_format);
+    if (named != names.end()) wanted = offered[static_cast<std::size_t>(named - names.begin())];
+  } else {
+    for (const std::uint32_t best : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY, V4L2_PIX_FMT_Y10,
+                                     V4L2_PIX_FMT_Y12, V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_MJPEG}) {
+      if (wanted == 0 && std::find(offered.begin(), offered.end(), best) != offered.end()) wanted = best;
+    }
+  }
+  if (wanted == 0 || !is_known_format(wanted)) {
+    return Error{
+        "pixel format is not offered",
+        fmt::format("{}: {}", path_, options.pixel_format.empty() ? "any that is known" : options.pixel_format),
+        fmt::format("it offers {}; usable are GREY, Y10, Y12, Y16, YUYV, UYVY, NV12, YU12, Y8I and MJPG",
+                    fmt::join(names, ", "))};
+  }
+  v4l2_format format = {};
+  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (control_device(descriptor_, VIDIOC_G_FMT, &format) != 0) return refused("to tell its format");
+  const int eyes = options.layout == EyeLayout::two_cameras ? 1 : 2;
+  const int per_eye =
+      eye_width(options.layout, wanted, eyes) == eyes ? 1 : eyes;  // pixels of the frame for one of an eye
+  if (options.width > 0) format.fmt.pix.width = static_cast<std::uint32_t>(options.width * per_eye);
+  if (options.height > 0) format.fmt.pix.height = static_cast<std::uint32_t>(options.height);
+  format.fmt.pix.pixelformat = wanted;
+  format.fmt.pix.field = V4L2_FIELD_NONE;
+  format.fmt.pix.bytesperline = 0;
+  if (control_device(descriptor_, VIDIOC_S_FMT, &format) != 0) return refused("the format");
+  const v4l2_pix_format& got = format.fmt.pix;
+  const bool as_wanted = got.pixelformat == wanted &&
+                         (options.width == 0 || got.width == static_cast<std::uint32_t>(options.width * per_eye)) &&
+                         (options.height == 0 || got.height == static_cast<std::uint32_t>(options.height));
+  if (!as_wanted) {
+    return Error{"camera refuses the size", path_,
+                 fmt::format("it gives {}x{} {}: set width and height to what it can (0 = as it is set)", got.width,
+                             got.height, fourcc_name(got.pixelformat))};
+  }
+  fourcc_ = wanted;
+  width_ = static_cast<int>(got.width);
+  height_ = static_cast<int>(got.height);
+  stride_ = got.bytesperline;
+  return {};
+}
+
+Result<void> V4l2Camera::set_rate(double rate_hz) const {
+  v4l2_streamparm parameters = {};
+  parameters.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (control_device(descriptor_, VIDIOC_G_PARM, &parameters) != 0) return {};  // it has one rate
+  if ((parameters.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) == 0) return {};
+  v4l2_fract& period = parameters.parm.capture.timeperframe;
+  period.numerator = 1000;
+  period.denominator = static_cast<std::uint32_t>(std::lround(rate_hz * 1000.0));
+  if (control_device(descriptor_, VIDIOC_S_PARM, &parameters) != 0) return refused("the frame rate");
+  const double got_hz = period.numerator > 0 ? static_cast<double>(period.denominator) / period.numerator : 0.0;
+  if (got_hz <= 0.0 || std::abs(got_hz - rate_hz) <= 0.05 * rate_hz) return {};
+  return Error{"camera refuses the frame rate", path_,
+               fmt::format("it gives {:.3f} Hz where {:.3f} are asked: set rate_hz to that", got_hz, rate_hz)};
+}
+
+std::optional<std::int32_t> V4l2Camera::control(std::uint32_t id) const {
+  v4l2_control control = {id, 0};
+  if (control_device(descriptor_, VIDIOC_G_CTRL, &control) != 0) return std::nullopt;
+  return control.value;
+}
+
+bool V4l2Camera::set_control(std::uint32_t id, std::int32_t value) const {
+  v4l2_control control = {id, value};
+  return control_device(descriptor_, VIDIOC_S_CTRL, &control) == 0;
+}
+
+std::vector<std::pair<std::string, std::uint32_t>> V4l2Camera::list_controls() const {
+  std::vector<std::pair<std::string, std::uint32_t>> out;
+  v4l2_queryctrl query = {};
+  query.id = V4L2_CTRL_FLAG_NEXT_CTRL;
+  while (control_device(descriptor_, VIDIOC_QUERYCTRL, &query) == 0) {
+    if ((query.flags & V4L2_CTRL_FLAG_DISABLED) == 0 && query.type != V4L2_CTRL_TYPE_CTRL_CLASS) {
+      out.emplace_back(plain_name(reinterpret_cast<const char*>(query.name)), query.id);
+    }
+    query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
+  }
+  return out;
+}
+
+Result<void> V4l2Camera::set_controls(const CameraOptions& options, bool follows) {
+  const bool manual = options.exposure_us.has_value() || follows;
+  set_control(V4L2_CID_EXPOSURE_AUTO, manual ? V4L2_EXPOSURE_MANUAL : V4L2_EXPOSURE_APERTURE_PRIORITY);
+  if (options.gain.has_value() || follows) set_control(V4L2_CID_AUTOGAIN, 0);
+  if (options.exposure_us) {
+    const auto value = static_cast<std::int32_t>(std::lround(*options.exposure_us / 100.0));
+    if (!set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value)) return refused("the exposure time (set exposure_us to auto)");
+    exposure_ns_ = static_cast<std::int64_t>(value) * 100'000;
+  }
+  if (options.gain && !set_control(V4L2_CID_GAIN, static_cast<std::int32_t>(std::lround(*options.gain)))) {
+    return refused("the gain (set gain to auto)");
+  }
+  const auto known = list_controls();
+  for (std::size_t begin = 0; begin < options.controls.size();) {
+    const std::size_t end = std::min(options.controls.find(',', begin), options.controls.size());
+    const std::string item = options.controls.substr(begin, end - begin);
+    begin = end + 1;
+    const std::size_t equals = item.find('=');
+    const std::string name = item.substr(0, equals);
+    const auto found = std::find_if(known.begin(), known.end(), [&](const auto& c) { return c.first == name; });
+    if (found == known.end()) {
+      std::vector<std::string> names;
+      for (const auto& control : known) names.push_back(control.first);
+      return Error{"no such control", fmt::format("{}: {}", path_, name),
+                   fmt::format("it has {}", fmt::join(names, ", "))};
+    }
+    std::int32_t value = 0;
+    const char* from = item.data() + std::min(equals, item.size() - 1) + 1;
+    const auto [stop, failed] = std::from_chars(from, item.data() + item.size(), value);
+    if (equals == std::string::npos || failed != std::errc{} || stop != item.data() + item.size()) {
+      return Error{"wrong control", fmt::format("{}: {}", path_, item), "give name=number,name=number"};
+    }
+    if (!set_control(found->second, value)) return refused("the control " + item);
+  }
+  return {};
+}
+
+Result<void> V4l2Camera::map_buffers() {
+  v4l2_requestbuffers request = {};
+  request.count = kBuffers;
+  request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  request.memory = V4L2_MEMORY_MMAP;
+  if (control_device(descriptor_, VIDIOC_REQBUFS, &request) != 0) return refused("buffers");
+  for (std::uint32_t i = 0; i < request.count; ++i) {
+    v4l2_buffer buffer = {};
+    buffer.index = i;
+    buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    buffer.memory = V4L2_MEMORY_MMAP;
+    if (control_device(descriptor_, VIDIOC_QUERYBUF, &buffer) != 0) return refused("buffers");
+    void* data = ::mmap(nullptr, buffer.length, PROT_READ | PROT_WRITE, MAP_SHARED, descriptor_, buffer.m.offset);
+    if (data == MAP_FAILED) return refused("to share its buffers");
+    buffers_.push_back({data, buffer.length});
+  }
+  return {};
+}
+
+bool V4l2Camera::give_back(std::uint32_t index) const {
+  v4l2_buffer buffer = {};
+  buffer.index = index;
+  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  buffer.memory = V4L2_MEMORY_MMAP;
+  return control_device(descriptor_, VIDIOC_QBUF, &buffer) == 0;
+}
+
+Result<void> V4l2Camera::start() {
+  for (std::uint32_t i = 0; i < buffers_.size(); ++i) {
+    if (!give_back(i)) return refused("buffers");
+  }
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (control_device(descriptor_, VIDIOC_STREAMON, &type) != 0) return refused("to stream");
+  return {};
+}
+
+// Drivers stamp by the monotonic clock; one that stamps by none at all gets the arrival.
+TimestampNs V4l2Camera::stamp_of(std::int64_t driver_ns, std::uint32_t flags, const V4l2Frame& frame) const {
+  if ((flags & V4L2_BUF_FLAG_TIMESTAMP_MASK) != V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC) return frame.arrival_utc_ns;
+  const std::int64_t stamp_ns = driver_ns + (frame.arrival_utc_ns - frame.arrival_mono_ns);
+  const bool at_start = (flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  return stamp_ns + (at_start ? exposure_ns_ / 2 : -exposure_ns_ / 2);
+}
+
+V4l2Taken V4l2Camera::take(int timeout_ms, V4l2Frame& frame) {
+  if (taken_) {
+    if (!give_back(*taken_)) return V4l2Taken::lost;
+    taken_.reset();
+  }
+  pollfd wait = {descriptor_, POLLIN, 0};
+  const int ready = ::poll(&wait, 1, timeout_ms);
+  if (ready == 0 || (ready < 0 && errno == EINTR)) return V4l2Taken::nothing;
+  if (ready < 0) return V4l2Taken::lost;
+  v4l2_buffer buffer = {};
+  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  buffer.memory = V4L2_MEMORY_MMAP;
+  if (control_device(descriptor_, VIDIOC_DQBUF, &buffer) != 0) {
+    return errno == EAGAIN && (wait.revents & (POLLERR | POLLHUP)) == 0 ? V4l2Taken::nothing : V4l2Taken::lost;
+  }
+  taken_ = buffer.index;
+  frame.arrival_mono_ns = now_ns(CLOCK_MONOTONIC);
+  frame.arrival_utc_ns = now_ns(CLOCK_REALTIME);
+  frame.stamp_utc_ns = stamp_of(std::int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + buffer.timestamp.tv_usec * 1000,
+                                buffer.flags, frame);
+  frame.raw = {static_cast<const std::uint8_t*>(buffers_[buffer.index].data),
+               buffer.bytesused,
+               fourcc_,
+               width_,
+               height_,
+               stride_};
+  return (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 ? V4l2Taken::incomplete : V4l2Taken::frame;
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs inside the virtual machine: the libcamera driver on a simulated UVC pair. Prints what it does; exit code 0 when
+// all held.
+#include <csignal>
+#include <cstdio>
+#include <string>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "drivers/libcamera.h"
+#include "drivers/libcamera/libcamera_pairs.h"
+#include "tests/vm/made_up_yuyv.h"
+
+namespace {
+
+using namespace cliquevo;
+using drivers::LibcameraPairs;
+
+int failures = 0;
+
+void check(bool ok, const std::string& what) {
+  std::printf("%s %s\n", ok ? "ok  " : "FAIL", what.c_str());
+  std::fflush(stdout);
+  if (!ok) ++failures;
+}
+
+pid_t plug_in(const char* port, const char* serial, const char* seed) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execl("/bin/uvc_camera", "uvc_camera", port, "160", "120", "10", serial, seed, nullptr);
+    ::_exit(127);
+  }
+  return child;
+}
+
+struct Seen {
+  int pairs = 0;
+  int wrong = 0;
+};
+Seen take_true_pairs(LibcameraPairs& pairs, int wanted) {
+  Seen seen;
+  drivers::StereoPair pair;
+  while (seen.pairs < wanted && pairs.next(pair)) {
+    const std::int64_t left = test::number_of(pair.left.cview(), 1);
+    if (left < 0 || test::number_of(pair.right.cview(), 2) != left) ++seen.wrong;
+    ++seen.pairs;
+  }
+  return seen;
+}
+
+}  // namespace
+
+int main() {
+  ::alarm(300);
+  const pid_t left = plug_in("0", "LEFT", "1");
+  pid_t right = plug_in("1", "RIGHT", "2");
+  std::vector<drivers::SeenCamera> seen;
+  for (int i = 0; i < 300 && ::access("/dev/video3", F_OK) != 0; ++i) ::usleep(100'000);
+  ::sleep(2);  // udev gets to know them
+  for (int i = 0; i < 100 && seen.size() < 2; ++i) {
+    seen = drivers::list_libcamera();
+    ::usleep(200'000);
+  }
+  check(seen.size() == 2, "libcamera lists two cameras: " + std::to_string(seen.size()));
+  if (seen.size() != 2) return 1;
+  for (const auto& camera : seen) std::printf("     %s (%s)\n", camera.id.c_str(), camera.description.c_str());
+  drivers::CameraOptions options;
+  const bool swapped = seen[0].id > seen[1].id;  // ids end with the port
+  options.left = seen[swapped ? 1 : 0].id;
+  options.right = seen[swapped ? 0 : 1].id;
+  options.rate_hz = 10.0;
+  {
+    drivers::CameraOptions wrong = options;
+    wrong.left = "nowhere";
+    const auto missing = LibcameraPairs::open(wrong);
+    check(!missing.ok() && missing.error().line().find(options.left) != std::string::npos,
+          "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
+    wrong = options;
+    wrong.pixel_format = "NV16";
+    const auto refused = LibcameraPairs::open(wrong);
+    check(!refused.ok() && refused.error().line().find("it offers YUYV") != std::string::npos,
+          "a format that is not offered: " + (refused.ok() ? std::string("taken") : refused.error().line()));
+  }
+  auto pairs = LibcameraPairs::open(options);
+  check(pairs.ok(), "they open" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
+  if (!pairs.ok()) return 1;
+  const Seen first = take_true_pairs(**pairs, 20);
+  check(first.pairs == 20 && first.wrong == 0,
+        "20 pairs, each of one exposure, every byte exact; " + (*pairs)->status());
+  ::kill(right, SIGKILL);
+  ::waitpid(right, nullptr, 0);
+  for (int i = 0; i < 300 && (*pairs)->status().find("right eye: ") == std::string::npos; ++i) ::usleep(100'000);
+  check((*pairs)->status().find("right eye: ") != std::string::npos, "unplugged: " + (*pairs)->status());
+  ::sleep(2);
+  right = plug_in("1", "RIGHT", "2");
+  const Seen second = take_true_pairs(**pairs, 10);
+  check(second.pairs == 10 && second.wrong == 0,
+        "plugged in again: 10 pairs more, each of one exposure, every byte exact; " + (*pairs)->status());
+  pairs->reset();
+  ::kill(left, SIGKILL);
+  ::kill(right, SIGKILL);
+  std::printf("%d failures\n", failures);
+  std::fflush(stdout);
+  ::_exit(failures == 0 ? 0 : 1);  // libcamera's own threads need no farewell from a machine that is switched off
+}

@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Runs inside the virtual machine: the V4L2 driver on a simulated UVC pair (stock uvcvideo) and on vivid. Prints what
+// it does; exit code 0 when all held.
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <linux/videodev2.h>
+#include <map>
+#include <string>
+#include <sys/ioctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "drivers/v4l2.h"
+#include "drivers/v4l2/v4l2_pairs.h"
+#include "tests/vm/made_up_yuyv.h"
+
+namespace {
+
+namespace fs = std::filesystem;
+using namespace cliquevo;
+using drivers::CameraOptions;
+using drivers::StereoPair;
+using drivers::V4l2Pairs;
+
+constexpr unsigned kWidth = 160;
+constexpr unsigned kHeight = 120;
+constexpr const char* kRate = "10";
+
+int failures = 0;
+
+void check(bool ok, const std::string& what) {
+  std::printf("%s %s\n", ok ? "ok  " : "FAIL", what.c_str());
+  std::fflush(stdout);
+  if (!ok) ++failures;
+}
+
+pid_t plug_in(const char* port, const char* serial, const char* seed) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const std::string width = std::to_string(kWidth);
+    const std::string height = std::to_string(kHeight);
+    ::execl("/bin/uvc_camera", "uvc_camera", port, width.c_str(), height.c_str(), kRate, serial, seed, nullptr);
+    ::_exit(127);
+  }
+  return child;
+}
+
+// The capture devices whose driver has this name, by bus: in the order of their ports.
+std::map<std::string, std::string> devices_of(const std::string& driver) {
+  std::map<std::string, std::string> out;
+  for (int i = 0; i < 16; ++i) {
+    const std::string path = "/dev/video" + std::to_string(i);
+    const int descriptor = ::open(path.c_str(), O_RDWR | O_NONBLOCK);
+    if (descriptor < 0) continue;
+    v4l2_capability capability = {};
+    if (::ioctl(descriptor, VIDIOC_QUERYCAP, &capability) == 0 &&
+        driver == reinterpret_cast<const char*>(capability.driver) &&
+        (capability.device_caps & V4L2_CAP_VIDEO_CAPTURE) != 0) {
+      out[reinterpret_cast<const char*>(capability.bus_info)] = path;
+    }
+    ::close(descriptor);
+  }
+  return out;
+}
+
+// A stable name for whatever node the camera has now, as udev would keep it.
+void keep_names(const std::string& driver) {
+  const auto devices = devices_of(driver);
+  int i = 0;
+  for (const auto& [bus, path] : devices) {
+    const std::string link = i++ == 0 ? "/dev/eye-left" : "/dev/eye-right";
+    std::error_code ignored;
+    fs::remove(link, ignored);
+    fs::create_symlink(path, link, ignored);
+  }
+}
+
+bool wait_for_devices(const std::string& driver, std::size_t count) {
+  for (int i = 0; i < 600; ++i) {
+    if (devices_of(driver).size() == count) return true;
+    ::usleep(100'000);
+  }
+  return false;
+}
+
+CameraOptions options_for(double rate_hz) {
+  CameraOptions options;
+  options.left = "/dev/eye-left";
+  options.right = "/dev/eye-right";
+  options.rate_hz = rate_hz;
+  return options;
+}
+
+struct Seen {
+  int pairs = 0;
+  int wrong = 0;
+};
+Seen take_true_pairs(V4l2Pairs& pairs, int wanted) {
+  Seen seen;
+  StereoPair pair;
+  while (seen.pairs < wanted && pairs.next(pair)) {
+    const std::int64_t left = test::number_of(pair.left.cview(), 1);
+    const std::int64_t right = test::number_of(pair.right.cview(), 2);
+    if (left < 0 || right != left) ++seen.wrong;
+    ++seen.pairs;
+  }
+  return seen;
+}
+
+void uvc_pair() {
+  pid_t left = plug_in("0", "LEFT", "1");
+  pid_t right = plug_in("1", "RIGHT", "2");
+  check(wait_for_devices("uvcvideo", 2), "two UVC cameras appear");
+  keep_names("uvcvideo");
+  const auto listed = drivers::list_v4l2();
+  check(listed.size() == 2 && listed[0].formats == std::vector<std::string>{"YUYV"},
+        "both are listed with their format");
+  {
+    CameraOptions wrong = options_for(10.0);
+    wrong.pixel_format = "MJPG";
+    const auto refused = V4l2Pairs::open(wrong);
+    check(!refused.ok() && refused.error().line().find("it offers YUYV") != std::string::npos,
+          "a format that is not offered: " + (refused.ok() ? std::string("taken") : refused.error().line()));
+    wrong = options_for(10.0);
+    wrong.left = "/dev/video77";
+    const auto missing = V4l2Pairs::open(wrong);
+    check(!missing.ok(), "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
+  }
+  auto pairs = V4l2Pairs::open(options_for(10.0));
+  check(pairs.ok(), "they open" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
+  if (!pairs.ok()) return;
+  {
+    const auto busy = V4l2Pairs::open(options_for(10.0));
+    check(!busy.ok() && busy.error().line().find("busy") != std::string::npos,
+          "a second program finds them busy: " + (busy.ok() ? std::string("opened") : busy.error().line()));
+  }
+  const Seen first = take_true_pairs(**pairs, 20);
+  check(first.pairs == 20 && first.wrong == 0,
+        "20 pairs, each of one exposure, every byte exact; " + (*pairs)->status());
+  ::kill(right, SIGKILL);
+  ::waitpid(right, nullptr, 0);
+  for (int i = 0; i < 600 && (*pairs)->status().find("right eye: ") == std::string::npos; ++i) ::usleep(100'000);
+  check((*pairs)->status().find("right eye: ") != std::string::npos, "unplugged: " + (*pairs)->status());
+  for (int i = 0; i < 600 && devices_of("uvcvideo").size() != 1; ++i) ::usleep(100'000);
+  right = plug_in("1", "RIGHT", "2");
+  check(wait_for_devices("uvcvideo", 2), "plugged in again it appears");
+  keep_names("uvcvideo");
+  const Seen second = take_true_pairs(**pairs, 10);
+  check(second.pairs == 10 && second.wrong == 0,
+        "10 pairs more, each of one exposure, every byte exact; " + (*pairs)->status());
+  pairs->reset();
+  for (const pid_t camera : {left, right}) {
+    ::kill(camera, SIGKILL);
+    ::waitpid(camera, nullptr, 0);
+  }
+}
+
+// A control of vivid by the name that the driver lists it under.
+bool press(const std::string& device, const std::string& name) {
+  const int descriptor = ::open(device.c_str(), O_RDWR | O_NONBLOCK);
+  if (descriptor < 0) return false;
+  v4l2_queryctrl query = {};
+  query.id = V4L2_CTRL_FLAG_NEXT_CTRL;
+  bool pressed = false;
+  while (!pressed && ::ioctl(descriptor, VIDIOC_QUERYCTRL, &query) == 0) {
+    if (name == reinterpret_cast<const char*>(query.name)) {
+      v4l2_control control = {query.id, 1};
+      pressed = ::ioctl(descriptor, VIDIOC_S_CTRL, &control) == 0;
+    }
+    query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
+  }
+  ::close(descriptor);
+  return pressed;
+}
+
+int take_pairs(V4l2Pairs& pairs, int wanted) {
+  StereoPair pair;
+  int count = 0;
+  while (count < wanted && pairs.next(pair)) ++count;
+  return count;
+}
+
+void vivid_faults() {
+  // One camera that delivers both eyes: two that run freely are rarely in phase.
+  check(std::system("modprobe vivid n_devs=1 node_types=0x1 num_inputs=1 input_types=0") == 0, "vivid loads");
+  check(wait_for_devices("vivid", 1), "a vivid camera appears");
+  keep_names("vivid");
+  CameraOptions options = options_for(10.0);
+  options.layout = drivers::EyeLayout::side_by_side;
+  options.pixel_format = "GREY";
+  options.width = 320;
+  options.height = 360;
+  auto pairs = V4l2Pairs::open(options);
+  check(pairs.ok(), "it opens" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
+  if (!pairs.ok()) return;
+  check((*pairs)->width() == 320, "an eye is half of the image");
+  check(take_pairs(**pairs, 5) == 5, "pairs flow; " + (*pairs)->status());
+  const std::string device = fs::canonical("/dev/eye-left").string();
+  for (const char* fault : {"Inject V4L2_BUF_FLAG_ERROR", "Inject Fatal Streaming Error", "Disconnect"}) {
+    const std::string before = (*pairs)->status();
+    check(press(device, fault), std::string(fault) + " is injected");
+    bool told = false;
+    for (int i = 0; i < 200 && !told; ++i) {
+      const std::string status = (*pairs)->status();
+      told = status.find("left eye: ") != std::string::npos ||
+             (status.find("incomplete") != std::string::npos && before.find("incomplete") == std::string::npos);
+      ::usleep(5'000);
+    }
+    check(told, std::string("it is told: ") + (*pairs)->status());
+    const bool again = take_pairs(**pairs, 10) == 10;
+    check(again && (*pairs)->status().find("left eye: ") == std::string::npos,
+          "pairs flow again; " + (*pairs)->status());
+  }
+}
+
+}  // namespace
+
+int main() {
+  ::alarm(400);
+  uvc_pair();
+  vivid_faults();
+  std::printf("%d failures\n", failures);
+  return failures == 0 ? 0 : 1;
+}

@@ -1,0 +1,207 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo cameras: what can be seen, and a compliance run for a rig.
+#include "tools/cameras.h"
+
+#include <atomic>
+#include <chrono>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "daemon/source.h"
+#include "drivers/camera_options.h"
+#include "tools/camera_run.h"
+#include "tools/exit_code.h"
+#ifdef CLIQUEVO_ARAVIS
+#include "drivers/aravis.h"
+#endif
+#ifdef CLIQUEVO_LIBCAMERA
+#include "drivers/libcamera.h"
+#endif
+#ifdef CLIQUEVO_V4L2
+#include "drivers/v4l2.h"
+#endif
+
+namespace cliquevo::tools {
+
+namespace {
+
+using drivers::SeenCamera;
+
+std::vector<SeenCamera> list_all() {
+  std::vector<SeenCamera> out;
+#ifdef CLIQUEVO_ARAVIS
+  for (SeenCamera& camera : drivers::list_aravis()) out.push_back(std::move(camera));
+#endif
+#ifdef CLIQUEVO_V4L2
+  for (SeenCamera& camera : drivers::list_v4l2()) out.push_back(std::move(camera));
+#endif
+#ifdef CLIQUEVO_LIBCAMERA
+  for (SeenCamera& camera : drivers::list_libcamera()) out.push_back(std::move(camera));
+#endif
+  return out;
+}
+
+int list() {
+  const std::vector<SeenCamera> seen = list_all();
+  for (const SeenCamera& camera : seen) {
+    fmt::print("{:<10}{}\n          {}\n", camera.family, camera.id, camera.description);
+    if (!camera.formats.empty()) fmt::print("          formats {}\n", fmt::join(camera.formats, ", "));
+  }
+  for (std::size_t i = 0; i + 1 < seen.size(); ++i) {
+    if (seen[i].family != seen[i + 1].family || (i > 0 && seen[i].family == seen[i - 1].family)) continue;
+    fmt::print(
+        "\n# The first two of {} as a pair; swap them if the eyes are crossed, and name the calibration:\n"
+        "source:\n  type: {}\n  cameras:\n    left: \"{}\"\n    right: \"{}\"\n    calibration: \"\"\n",
+        seen[i].family, seen[i].family, seen[i].id, seen[i + 1].id);
+  }
+  if (seen.empty()) {
+    return report({"no camera found", daemon::built_in_sources(),
+                   "check cable, power, permissions (group video) and the network's addresses"});
+  }
+  return kDone;
+}
+
+struct TestArguments {
+  std::string config;
+  double seconds = 5.0;
+  bool unplug = false;
+};
+
+// Interrupts a source that delivers nothing for long.
+class Guard {
+ public:
+  Guard(drivers::FrameSource& source, double patience_s)
+      : thread_([this, &source, patience_s] {
+          while (!done_) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            if (static_cast<double>(monotonic_ns() - last_ns_) * 1e-9 > patience_s) source.interrupt();
+          }
+        }) {}
+  ~Guard() {
+    done_ = true;
+    thread_.join();
+  }
+  Guard(const Guard&) = delete;
+  Guard& operator=(const Guard&) = delete;
+  void alive() { last_ns_ = monotonic_ns(); }
+
+ private:
+  std::atomic<std::int64_t> last_ns_{monotonic_ns()};
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+// One start, so many seconds of pairs, one stop. false: failed, and told.
+bool stream_once(const daemon::SourceConfig& config, double seconds, int number) {
+  auto source = daemon::open_source(config);
+  if (!source) {
+    report(source.error());
+    return false;
+  }
+  CameraRun run(config.cameras.rate_hz);
+  const double start_patience_s = 20.0 + 30.0 / config.cameras.rate_hz;
+  drivers::StereoPair pair;
+  std::int64_t begin_ns = 0;
+  {
+    Guard guard(**source, start_patience_s);
+    for (;;) {
+      const auto more = (*source)->next(pair);
+      if (!more.ok() || !*more) break;
+      guard.alive();
+      if (begin_ns == 0) begin_ns = monotonic_ns();
+      run.add(pair.stamp_ns, pair.right_offset_ns, pair.host_ns - pair.stamp_ns);
+      if (static_cast<double>(monotonic_ns() - begin_ns) * 1e-9 >= seconds) break;
+    }
+  }
+  const CameraRun::Verdict verdict = run.judge();
+  fmt::print(
+      "start {}: {} pairs, {:.3f} Hz, {} skipped, jitter up to {:.3f} periods, eyes up to {:.3f} periods apart, "
+      "arrival up to {:.1f} ms after the exposure\n  {}\n{}",
+      number, run.pairs(), verdict.rate_hz, verdict.skipped, verdict.most_jitter, verdict.most_skew,
+      verdict.most_delay_ms, (*source)->status(), run.histograms());
+  for (const std::string& complaint : verdict.complaints) fmt::print("  FAIL {}\n", complaint);
+  std::fflush(stdout);
+  return verdict.complaints.empty();
+}
+
+bool unplug_once(const daemon::SourceConfig& config) {
+  auto source = daemon::open_source(config);
+  if (!source) {
+    report(source.error());
+    return false;
+  }
+  fmt::print("unplug a camera, wait until that is told, and plug it in again (60 s)\n");
+  std::fflush(stdout);
+  const std::int64_t give_up_ns = monotonic_ns() + 60'000'000'000;
+  std::atomic<std::int64_t> pairs{0};
+  std::thread reader([&] {
+    drivers::StereoPair pair;
+    for (auto more = (*source)->next(pair); more.ok() && *more; more = (*source)->next(pair)) ++pairs;
+  });
+  bool lost = false;
+  bool back = false;
+  while (monotonic_ns() < give_up_ns && !back) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    const std::string status = (*source)->status();
+    const bool eye_lost = status.find("lost") != std::string::npos || status.find("reconnecting") != std::string::npos;
+    if (eye_lost && !lost) fmt::print("  {}\n", status), std::fflush(stdout);
+    lost = lost || eye_lost;
+    const std::int64_t before = pairs;
+    if (lost && !eye_lost) {
+      std::this_thread::sleep_for(std::chrono::seconds(1));
+      back = pairs > before;
+    }
+  }
+  (*source)->interrupt();
+  reader.join();
+  const char* verdict = back   ? "it came back: pairs flow"
+                        : lost ? "FAIL it did not come back"
+                               : "FAIL nothing was unplugged";
+  fmt::print("  {}\n", verdict);
+  return back;
+}
+
+int test(const TestArguments& arguments) {
+  const auto config = daemon::read_config(arguments.config);
+  if (!config) return report(config.error());
+  if (!config->source.is_live()) {
+    return report({"no cameras in the configuration", arguments.config, "set source.type and source.cameras"});
+  }
+  int failed = 0;
+  for (int i = 1; i <= 3; ++i) failed += stream_once(config->source, arguments.seconds, i) ? 0 : 1;
+  if (arguments.unplug) failed += unplug_once(config->source) ? 0 : 1;
+  const int runs = arguments.unplug ? 4 : 3;
+  fmt::print("{}: {} of {} runs passed\n", failed == 0 ? "PASS" : "FAIL", runs - failed, runs);
+  if (failed == 0) return kDone;
+  return report({"rig does not comply", arguments.config, "the lines with FAIL say where"}, kNotStrictEnough);
+}
+
+}  // namespace
+
+void add_cameras_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<TestArguments>();
+  CLI::App* cameras = app.add_subcommand("cameras", "List the cameras that can be seen, or test a rig of them");
+  cameras->require_subcommand(0, 1);
+  CLI::App* tests = cameras->add_subcommand("test", "Start and stop a rig three times: rate, skew, what is missing");
+  tests->add_option("--config", arguments->config, "Configuration with the cameras")->required()->type_name("FILE");
+  tests->add_option("--seconds", arguments->seconds, "Of each run (default 5)")
+      ->check(CLI::Range(0.5, 3600.0))
+      ->type_name("S");
+  tests->add_flag("--unplug", arguments->unplug, "Ask for a camera to be unplugged, too");
+  tests->footer(
+      "Passes when each run's rate is within 5 %, at most 1 % of the exposures gave no pair and the eyes expose "
+      "within\n"
+      "a quarter period. Exit codes: 0 passed; 1 bad input or environment; 2 wrong usage; 3 failed.");
+  cameras->footer("Printed with each: what source.cameras.left and right take (config/cliquevo.yaml).");
+  tests->callback([arguments, &exit_code] { exit_code = test(*arguments); });
+  cameras->callback([cameras, &exit_code] {
+    if (cameras->get_subcommands().empty()) exit_code = list();
+  });
+}
+
+}  // namespace cliquevo::tools
