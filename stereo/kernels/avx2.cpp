@@ -26,11 +26,6 @@ struct Avx2 {
   static Reg places(int first) {
     return _mm256_set_m128i(_mm_set1_epi16(static_cast<short>(first + 2)), _mm_set1_epi16(static_cast<short>(first)));
   }
-  // Keys of elements outside [first, last] become the largest.
-  static Reg mask(Reg keys, const std::uint16_t* elements, int first, int last) {
-    const Reg e = load(elements);
-    return either(keys, either(more16(broadcast16(first), e), more16(e, broadcast16(last))));
-  }
   // The smallest key, and above 16 bits the lane within eight where it first occurs.
   static unsigned minimum(Reg v) {
     const __m128i m = _mm_min_epu16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1));

@@ -31,13 +31,6 @@ struct Avx512 {
     return _mm512_set_epi32(lane(3), lane(3), lane(3), lane(3), lane(2), lane(2), lane(2), lane(2), lane(1), lane(1),
                             lane(1), lane(1), lane(0), lane(0), lane(0), lane(0));
   }
-  // Keys of elements outside [first, last] become the largest.
-  static Reg mask(Reg keys, const std::uint16_t* elements, int first, int last) {
-    const Reg e = load(elements);
-    const __mmask32 low = _mm512_cmpgt_epi16_mask(broadcast16(first), e);
-    const __mmask32 high = _mm512_cmpgt_epi16_mask(e, broadcast16(last));
-    return _mm512_mask_mov_epi16(keys, low | high, _mm512_set1_epi16(-1));
-  }
   // The smallest key, and above 16 bits the lane within eight where it first occurs.
   static unsigned minimum(Reg v) {
     const __m256i half = _mm256_min_epu16(_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64(v, 1));

@@ -117,7 +117,7 @@ constexpr std::size_t column_cells(int width, int num_disparities) {
          static_cast<std::size_t>(padded_disparities(num_disparities));
 }
 constexpr std::size_t cost_cells(int num_disparities) {
-  return (1 + 3 * kMatchBlock) * static_cast<std::size_t>(padded_disparities(num_disparities));
+  return 3 * kMatchBlock * static_cast<std::size_t>(padded_disparities(num_disparities));
 }
 
 // A row to smooth: each known value moves to the mean of itself and of those neighbours that are at most `reach` away.

@@ -45,6 +45,19 @@ struct TwoOut {
   const std::uint16_t* slid(int pair) const { return lanes + kCentre - pair; }
 };
 
+// Lanes that are all ones at both ends, to be slid over the keys of one parity until those are covered that lie outside
+// the image.
+struct Outside {
+  static constexpr int kMost = 128;
+  std::uint16_t lanes[5 * kMost];
+  constexpr Outside() : lanes() {
+    for (int i = 0; i < kMost; ++i) lanes[i] = lanes[3 * kMost + i] = lanes[4 * kMost + i] = 0xFFFF;
+  }
+  static constexpr int within(int n) { return n < 0 ? 0 : (n > kMost ? kMost : n); }
+  const std::uint16_t* first(int n) const { return lanes + kMost - within(n); }     // covers n keys
+  const std::uint16_t* from(int n) const { return lanes + 3 * kMost - within(n); }  // all but n keys
+};
+
 template <typename V, int kVectors>
 struct RowMatcher {
   using Reg = typename V::Reg;
@@ -60,8 +73,7 @@ struct RowMatcher {
   const int radius = job.window / 2;
   const int last = job.min_disparity + job.num_disparities - 1;
   std::uint8_t* const columns = job.columns + kPadded;  // a column of zeros comes first
-  std::uint16_t* const elements = job.costs;            // e of each key, for masks
-  std::uint16_t* const ring = elements + kPadded;       // keys of two blocks of pixels
+  std::uint16_t* const ring = job.costs;                // keys of two blocks of pixels
 
   // Kept beside the job: stores of costs might change it, for all that the compiler knows.
   std::uint32_t* const found = job.out.found();
@@ -131,14 +143,22 @@ struct RowMatcher {
   template <bool kMasked>
   CLIQUEVO_INLINE void find_best(int x, Sums sums, std::uint16_t* key) const {
     if constexpr (kMasked) {
+      static constexpr Outside kOutside;
       int final = job.num_disparities - 1;
       const int lowest = x + radius - job.width + 1;
       if (lowest > job.min_disparity) final -= lowest - job.min_disparity;
-      const int first = x - radius < last ? last - (x - radius) : 0;
+      const int first = last - (x - radius);
+      const std::uint16_t* const low_even = kOutside.first((first + 1) / 2);
+      const std::uint16_t* const low_odd = kOutside.first(first / 2);
+      const std::uint16_t* const high_even = kOutside.from((final + 2) >> 1);
+      const std::uint16_t* const high_odd = kOutside.from((final + 1) >> 1);
+      const auto cover = [](Reg keys, const std::uint16_t* low, const std::uint16_t* high, int v) {
+        return V::either(keys, V::either(V::load(low + v * kKeys), V::load(high + v * kKeys)));
+      };
 #pragma GCC unroll 16
       for (int v = 0; v < kVectors; ++v) {
-        sums.even[v] = V::mask(sums.even[v], elements + v * kBytes, first, final);
-        sums.odd[v] = V::mask(sums.odd[v], elements + v * kBytes + kKeys, first, final);
+        sums.even[v] = cover(sums.even[v], low_even, high_even, v);
+        sums.odd[v] = cover(sums.odd[v], low_odd, high_odd, v);
       }
     }
     Reg least{};
@@ -202,7 +222,6 @@ struct RowMatcher {
 
   void run() const {
     if (job.first) build_columns();
-    for (int e = 0; e < kPadded; ++e) elements[WinnerTable::offset(e) / 2] = static_cast<std::uint16_t>(e);
     const Row in = row(job.y + job.window_height / 2);
     const Row out = row(job.y - job.window_height / 2 - 1);
     const Factors factors{V::factor_even(kWeight), V::factor_odd(kWeight)};

@@ -34,13 +34,6 @@ struct Neon {
     odd = bytes(vreinterpretq_u16_s16(vmlal_s8(vreinterpretq_s16_u16(words(odd)), vget_high_s8(sorted), f)));
   }
   static Reg places(int first) { return bytes(vdupq_n_u16(static_cast<std::uint16_t>(first))); }
-  // Keys of elements outside [first, last] become the largest.
-  static Reg mask(Reg keys, const std::uint16_t* elements, int first, int last) {
-    const int16x8_t e = vreinterpretq_s16_u16(vld1q_u16(elements));
-    const uint16x8_t low = vcgtq_s16(vdupq_n_s16(static_cast<std::int16_t>(first)), e);
-    const uint16x8_t high = vcgtq_s16(e, vdupq_n_s16(static_cast<std::int16_t>(last)));
-    return bytes(vorrq_u16(words(keys), vorrq_u16(low, high)));
-  }
   static Reg min16(Reg a, Reg b) { return bytes(vminq_u16(words(a), words(b))); }
   // The smallest key, and above 16 bits the lane within eight where it first occurs.
   static unsigned minimum(Reg v) {

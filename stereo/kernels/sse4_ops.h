@@ -14,11 +14,6 @@ struct Sse4 {
 #include "stereo/kernels/x86_rows.h"
 
   static Reg places(int first) { return broadcast16(first); }
-  // Keys of elements outside [first, last] become the largest.
-  static Reg mask(Reg keys, const std::uint16_t* elements, int first, int last) {
-    const Reg e = load(elements);
-    return either(keys, either(more16(broadcast16(first), e), more16(e, broadcast16(last))));
-  }
   // The smallest key, and above 16 bits the lane within eight where it first occurs.
   static unsigned minimum(Reg v) { return static_cast<unsigned>(_mm_cvtsi128_si32(_mm_minpos_epu16(v))); }
 

@@ -123,7 +123,7 @@ TEST_P(KernelTest, MatchRowEqualsTheReference) {
   unsigned seed = 1;
   unsigned round = 0;
   for (const int window : {5, 7, 9, 11, 13, 15, 17, 19, 21}) {
-    for (const int n : {16, 32, 48, 64, 80, 96, 128, 144, 160, 192, 224, 256}) {
+    for (const int n : {16, 32, 48, 64, 80, 96, 112, 128, 144, 160, 176, 192, 208, 224, 240, 256}) {
       if (++round % kEvery != 0) continue;
       const int tall = std::min(21, 3 + 2 * static_cast<int>(seed % 10));
       compare(tested(), {window, window, window, window, -2, n}, ++seed);

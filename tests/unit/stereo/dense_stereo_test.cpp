@@ -156,10 +156,24 @@ TEST(DenseStereo, NamesBadCallsBeforeAnyWork) {
   Image<std::uint8_t> l(100, 60), r(100, 60), f(100, 60), small(99, 60);
   Image<std::int16_t> d(100, 60);
   d.fill(77);
-  EXPECT_FALSE(stereo->compute({}, r.view(), f.view(), d.view()).ok());
-  EXPECT_FALSE(stereo->compute(l.view(), small.view(), f.view(), d.view()).ok());
-  EXPECT_FALSE(stereo->compute(l.view(), r.view(), l.view(), d.view()).ok());
-  EXPECT_FALSE(stereo->compute(l.view(), r.view(), f.view(), {}).ok());
+  const auto refused = [&](ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+                           ImageView<std::uint8_t> filtered, ImageView<std::int16_t> disparity) {
+    const auto result = stereo->compute(left, right, filtered, disparity);
+    return result.ok() ? std::string() : result.error().line();
+  };
+  const auto names = [](const std::string& error, const char* what) {
+    return error.find(what) != std::string::npos && error.find("cannot match") != std::string::npos;
+  };
+  EXPECT_TRUE(names(refused({}, r.view(), f.view(), d.view()), "left image is null"));
+  EXPECT_TRUE(names(refused(l.view(), {}, f.view(), d.view()), "right image is null"));
+  EXPECT_TRUE(names(refused(l.view(), r.view(), {}, d.view()), "filtered image is null"));
+  EXPECT_TRUE(names(refused(l.view(), r.view(), f.view(), {}), "disparity image is null"));
+  EXPECT_TRUE(names(refused(l.view(), small.view(), f.view(), d.view()), "right image is 99x60"));
+  EXPECT_TRUE(names(refused(l.view(), r.view(), l.view(), d.view()), "output view overlaps an input"));
+  EXPECT_TRUE(names(refused({l.cview().data, 100, 60, 99}, r.view(), f.view(), d.view()), "rows closer"));
+  // The filtered image inside the disparity's memory.
+  auto* inside = reinterpret_cast<std::uint8_t*>(d.view().data);
+  EXPECT_TRUE(names(refused(l.view(), r.view(), {inside, 100, 60, 100}, d.view()), "output views overlap"));
   EXPECT_EQ(d.view()(50, 30), 77);
 }
 
