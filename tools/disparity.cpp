@@ -47,7 +47,12 @@ Result<Pair> read_pair(const DisparityArguments& arguments) {
   return pair;
 }
 
-Result<Image<std::int16_t>> match(const Pair& pair, int max_disparity) {
+struct Matched {
+  Image<std::int16_t> disparity;
+  double elapsed_ms;  // without the set-up, which a camera needs once
+};
+
+Result<Matched> match(const Pair& pair, int max_disparity) {
   stereo::StereoParams params;
   params.min_disparity = 0;
   params.num_disparities = (max_disparity + 15) / 16 * 16;  // the kernels' step
@@ -56,11 +61,13 @@ Result<Image<std::int16_t>> match(const Pair& pair, int max_disparity) {
   auto dense = stereo::DenseStereo::make(params, width, height);
   if (!dense) return dense.error();
   Image<std::uint8_t> filtered(width, height);
-  Image<std::int16_t> disparity(width, height);
-  if (auto ok = dense->compute(pair.left.cview(), pair.right.cview(), filtered.view(), disparity.view()); !ok) {
+  Matched out{Image<std::int16_t>(width, height), 0.0};
+  const std::int64_t begin_ns = monotonic_ns();
+  if (auto ok = dense->compute(pair.left.cview(), pair.right.cview(), filtered.view(), out.disparity.view()); !ok) {
     return ok.error();
   }
-  return disparity;
+  out.elapsed_ms = static_cast<double>(monotonic_ns() - begin_ns) * 1e-6;
+  return out;
 }
 
 // 16 bit, px * 256, 0 = unknown (and nearer than infinity only: d <= 0 is unknown).
@@ -100,12 +107,10 @@ int run(const DisparityArguments& arguments) {
   if (!pair) return report(pair.error());
   auto out = OutputFile::open(arguments.out, "disparity");
   if (!out) return report(out.error());
-  const std::int64_t begin_ns = monotonic_ns();
-  const auto disparity = match(*pair, arguments.max_disparity);
-  if (!disparity) return report(disparity.error());
-  const double elapsed_ms = static_cast<double>(monotonic_ns() - begin_ns) * 1e-6;
+  const auto matched = match(*pair, arguments.max_disparity);
+  if (!matched) return report(matched.error());
 
-  const cv::Mat picture = to_file_units(disparity->cview(), arguments.max_disparity);
+  const cv::Mat picture = to_file_units(matched->disparity.cview(), arguments.max_disparity);
   if (auto ok = write_png(*out, picture); !ok) return report(ok.error());
   if (!arguments.color.empty()) {
     auto color = OutputFile::open(arguments.color, "picture");
@@ -113,7 +118,7 @@ int run(const DisparityArguments& arguments) {
     if (auto ok = write_png(*color, to_color(picture)); !ok) return report(ok.error());
   }
   fmt::print("{}x{}, {} disparities, {:.1f} % known, {:.1f} ms\n", picture.cols, picture.rows, arguments.max_disparity,
-             100.0 * cv::countNonZero(picture) / static_cast<double>(picture.total()), elapsed_ms);
+             100.0 * cv::countNonZero(picture) / static_cast<double>(picture.total()), matched->elapsed_ms);
   return kDone;
 }
 
