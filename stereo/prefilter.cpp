@@ -2,6 +2,7 @@
 #include "stereo/prefilter.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace cliquevo::stereo {
 
@@ -11,7 +12,7 @@ int range_of(const StereoParams& params) {
   return kernels::matching_range(params.window, params.window_height, params.num_disparities);
 }
 
-std::uint16_t slope(double per_grey_level) { return static_cast<std::uint16_t>(per_grey_level * 4096.0 + 0.5); }
+std::uint16_t slope(double per_grey_level) { return static_cast<std::uint16_t>(std::lround(per_grey_level * 4096.0)); }
 
 }  // namespace
 

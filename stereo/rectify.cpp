@@ -93,8 +93,10 @@ double fill_map(const CameraCalibration& camera, const Eigen::Matrix3d& R, const
   const int blocks = model.width / RemapRow::kBlock;
   for (int v = 0; v < model.height; ++v) {
     for (int b = 0; b < blocks; ++b) {
-      find_patch(map, static_cast<std::size_t>(v * model.width + b * RemapRow::kBlock),
-                 map.patches[static_cast<std::size_t>(v * blocks + b)]);
+      const auto row = static_cast<std::size_t>(v);
+      const auto block = static_cast<std::size_t>(b);
+      find_patch(map, row * static_cast<std::size_t>(model.width) + block * RemapRow::kBlock,
+                 map.patches[row * static_cast<std::size_t>(blocks) + block]);
     }
   }
   return static_cast<double>(filled) / static_cast<double>(map.x.size());

@@ -13,7 +13,7 @@ constexpr int kFiner = 4;  // between both passes, so that rounding twice costs 
 
 void Smoother::prepare(int width, int radius) {
   radius_ = radius;
-  padded_.assign(static_cast<std::size_t>(width + 2 * radius), kUnknownDisparity);
+  padded_.assign(static_cast<std::size_t>(width) + 2 * static_cast<std::size_t>(radius), kUnknownDisparity);
   unknown_.assign(static_cast<std::size_t>(width), kUnknownDisparity);
   lines_.resize(width, 2 * radius + 1);
 }

@@ -8,7 +8,7 @@ namespace cliquevo::stereo {
 
 void SpeckleFilter::prepare(int width, int height) {
   runs_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  const auto words = static_cast<std::size_t>(width + 63) / 64;
+  const auto words = (static_cast<std::size_t>(width) + 63) / 64;
   for (Bits& bits : bits_) {
     for (auto* part : {&bits.known, &bits.across, &bits.down}) part->assign(words, 0);
   }
