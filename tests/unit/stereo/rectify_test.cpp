@@ -47,8 +47,10 @@ TEST(CameraProjection, EqualsOpenCv) {
                                 {Distortion::equidistant, kFisheye}}) {
     const CameraCalibration c = camera(640, 480, 420.0, kind, k);
     const CameraProjection projection(c);
-    for (double x = -0.7; x <= 0.7; x += 0.1) {
-      for (double y = -0.5; y <= 0.5; y += 0.1) {
+    for (int column = -7; column <= 7; ++column) {
+      for (int row = -5; row <= 5; ++row) {
+        const double x = 0.1 * column;
+        const double y = 0.1 * row;
         const std::vector<cv::Point3d> point{{x, y, 1.0}};
         std::vector<cv::Point2d> pixel;
         const cv::Vec3d zero(0, 0, 0);
