@@ -99,24 +99,10 @@ void CliqueFinder::find(const std::vector<PointPair>& pairs, std::vector<int>& c
   grow(n, candidates_, clique);
 }
 
-int CliqueFinder::rival(const std::vector<PointPair>& pairs, const std::vector<int>& clique,
-                        std::vector<int>& rival_members) {
-  const int n = static_cast<int>(pairs.size());
+void CliqueFinder::among(int count, const std::vector<int>& allowed, std::vector<int>& clique) {
   std::fill(candidates_.begin(), candidates_.end(), 0);
-  std::vector<std::uint64_t>& allowed = candidates_;
-  for (int i = 0; i < n; ++i) {
-    int agreeing = 0;
-    for (const int member : clique) {
-      if (member == i) {
-        agreeing = static_cast<int>(clique.size());
-        break;
-      }
-      agreeing += static_cast<int>(row(i)[static_cast<std::size_t>(member) / 64] >> (member % 64) & 1U);
-    }
-    if (2 * agreeing < static_cast<int>(clique.size())) allowed[static_cast<std::size_t>(i) / 64] |= 1ULL << (i % 64);
-  }
-  grow(n, allowed, rival_members);
-  return static_cast<int>(rival_members.size());
+  for (const int i : allowed) candidates_[static_cast<std::size_t>(i) / 64] |= 1ULL << (i % 64);
+  grow(count, candidates_, clique);
 }
 
 }  // namespace cliquevo::vo

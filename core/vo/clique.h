@@ -26,9 +26,8 @@ class CliqueFinder {
   // highest degree; keep the set compatible with every member; add its node of the highest degree (in the whole graph;
   // of equals, the first); stop when the set is empty.
   void find(const std::vector<PointPair>& pairs, std::vector<int>& clique);
-  // Size of the greedy clique among the matches that are not compatible with most of the first one's members: a rival
-  // motion. Call after find().
-  int rival(const std::vector<PointPair>& pairs, const std::vector<int>& clique, std::vector<int>& rival_members);
+  // The greedy clique among the named pairs of the last find(), of which there were `count`.
+  void among(int count, const std::vector<int>& allowed, std::vector<int>& clique);
 
  private:
   void build_graph(const std::vector<PointPair>& pairs);

@@ -17,7 +17,7 @@ constexpr double kGoodShare = 0.7;  // of a clique's members that its motion sho
 // the weights overstate, but not below a floor (what is common to all features shows in no residual), and by a factor
 // that makes the normalised error right (NEES 6) on the simulator's wheeled and walking courses.
 constexpr double kLeastVariance = 0.05;
-constexpr double kVarianceFactor = 1.35;
+constexpr double kVarianceFactor = 1.5;
 constexpr double kApartSigmas = 5.0;  // two motions farther apart are two
 
 Observation observation(const Feature& ref, const Feature& cur, int index) {
@@ -42,6 +42,7 @@ Estimator::Estimator(const StereoModel& model, const VoParams& params)
   pairs_.reserve(n);
   clique_.reserve(n);
   rival_.reserve(n);
+  unexplained_.reserve(n);
   observations_.reserve(2 * n);
   references_.reserve(2);
 }
@@ -69,8 +70,8 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, const
   if (!align_points(pairs_, clique_, T_ref_cur)) return false;
   references_.assign(1, RigidTransform{});
   observe(reference, current, clique_);
-  out.motion =
-      solver_.solve(observations_, references_, T_ref_cur, params_.match_sigma_px, params_.match_disparity_sigma_px);
+  out.motion = solver_.solve_tightening(observations_, references_, T_ref_cur, params_.match_sigma_px,
+                                        params_.match_disparity_sigma_px);
   // Far false matches are compatible with nearly everything and can pull the closed form away: then the motion is
   // looked for from the predicted one and from rest, and what most members agree on is taken.
   for (const RigidTransform& start : {predicted, RigidTransform{}}) {
@@ -92,15 +93,29 @@ void Estimator::observe(const Frame& reference, const Frame& current, const std:
   }
 }
 
-// A second motion, plainly another one, that nearly as many matches support: which of the two is the world's?
+// A second motion, plainly another one, that a good share as many matches support: which of the two is the world's?
+// Looked for among the matches that the first one does not explain.
 bool Estimator::rivalled(const Frame& reference, const Frame& current, const Comparison& comparison) {
-  const int enough =
-      std::max(params_.min_inliers, static_cast<int>(std::ceil(params_.rival_share * comparison.clique)));
-  if (comparison.matches - comparison.clique < enough) return false;
-  if (clique_finder_.rival(pairs_, clique_, rival_) < enough) return false;
-  RigidTransform start;
-  if (!align_points(pairs_, rival_, start)) return false;
   references_.assign(1, RigidTransform{});
+  observations_.clear();
+  for (const Match& m : matches_) {
+    observations_.push_back(observation(reference.features[static_cast<std::size_t>(m.a)],
+                                        current.features[static_cast<std::size_t>(m.b)], m.a));
+  }
+  solver_.judge(observations_, references_, comparison.motion.T_prev_cur, params_.match_sigma_px,
+                params_.match_disparity_sigma_px);
+  unexplained_.clear();
+  for (std::size_t i = 0; i < observations_.size(); ++i) {
+    if (!observations_[i].inlier) unexplained_.push_back(static_cast<int>(i));
+  }
+  const int explained = static_cast<int>(observations_.size() - unexplained_.size());
+  const int enough = std::max(params_.min_inliers, static_cast<int>(std::ceil(params_.rival_share * explained)));
+  if (static_cast<int>(unexplained_.size()) < enough) return false;
+  clique_finder_.among(static_cast<int>(pairs_.size()), unexplained_, rival_);
+  RigidTransform start;
+  if (static_cast<int>(rival_.size()) < enough || !align_points(pairs_, rival_, start)) {
+    return false;
+  }
   observe(reference, current, rival_);
   const Motion rival =
       solver_.solve(observations_, references_, start, params_.match_sigma_px, params_.match_disparity_sigma_px);

@@ -49,6 +49,7 @@ class Estimator {
   std::vector<PointPair> pairs_;
   std::vector<int> clique_;
   std::vector<int> rival_;
+  std::vector<int> unexplained_;
   std::vector<Observation> observations_;
   std::vector<RigidTransform> references_;
 };

@@ -16,6 +16,10 @@ constexpr double kMinDepth = 1e-3;
 // Steps below these end the search: a thousandth of what noise does.
 constexpr double kSmallStep_m = 1e-6;
 constexpr double kSmallStep_rad = 1e-7;
+// Tightening.
+constexpr double kMedianSquaredSigmas = 2.4;  // of three components, where the sigmas are right
+constexpr double kTighten = 0.5;              // of the sigmas: noise below that is worth another solution ...
+constexpr double kTightest = 0.1;             // ... with sigmas of no less than this share
 
 }  // namespace
 
@@ -56,6 +60,7 @@ MotionSolver::MotionSolver(const StereoModel& model, const VoParams& params) : m
   capacity_ = most + 2 * kMotionLanes;
   storage_.resize(capacity_ * kMotionFields);
   place_.reserve(most);
+  sorted_.reserve(most);
   terms_.reserve(2);
 }
 
@@ -164,6 +169,39 @@ void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Rigid
   accumulate(T_prev_ref, T, sums);  // leaves each observation's error as of the final T
 }
 
+Motion MotionSolver::solve_tightening(std::vector<Observation>& observations,
+                                      const std::vector<RigidTransform>& T_prev_ref, const RigidTransform& start,
+                                      double sigma_px, double sigma_d_px) {
+  const Motion first = solve(observations, T_prev_ref, start, sigma_px, sigma_d_px);
+  if (!first.converged) return first;
+  sorted_.clear();
+  for (const Observation& o : observations) {
+    if (o.inlier) sorted_.push_back(o.squared_sigmas);
+  }
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  const double scale = std::sqrt(*middle / kMedianSquaredSigmas);
+  if (scale > kTighten) return first;
+  const double share = std::max(scale, kTightest);
+  const Motion tight = solve(observations, T_prev_ref, first.T_prev_cur, share * sigma_px, share * sigma_d_px);
+  return tight.converged ? tight : first;
+}
+
+void MotionSolver::judge(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
+                         const RigidTransform& T_prev_cur, double sigma_px, double sigma_d_px) {
+  sigma_px_ = sigma_px;
+  sigma_d_px_ = sigma_d_px;
+  load(observations, T_prev_ref);
+  MotionSums sums{};
+  accumulate(T_prev_ref, T_prev_cur, sums);
+  const double* squared = storage_.data() + static_cast<std::size_t>(kSquared) * capacity_;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    observations[i].squared_sigmas = squared[place(i)];
+    observations[i].error_px = sigma_px * std::sqrt(observations[i].squared_sigmas);
+    observations[i].inlier = observations[i].squared_sigmas <= params_.trim_sigmas * params_.trim_sigmas;
+  }
+}
+
 Motion MotionSolver::solve(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
                            const RigidTransform& start, double sigma_px, double sigma_d_px) {
   Motion out;
@@ -194,6 +232,7 @@ Motion MotionSolver::solve(std::vector<Observation>& observations, const std::ve
   const Matrix6d Ad = adjoint(T);  // from the right to the left of T
   out.covariance = Ad * solver.solve(Matrix6d::Identity()) * Ad.transpose();
   const Vector6d offset_h = vector_of(sums.offset_h);
+  out.offset_sensitivity = Ad * solver.solve(offset_h);
   out.offset_information = sums.offset_hh - offset_h.dot(solver.solve(offset_h));
   if (out.offset_information > 0.0) {
     out.offset_px = (sums.offset_g - offset_h.dot(solver.solve(vector_of(sums.g)))) / out.offset_information;

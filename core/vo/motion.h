@@ -41,6 +41,8 @@ struct Motion {
   // By how much all disparities seem too large, and the inverse variance of that; the motion's own share taken out.
   double offset_px = 0.0;
   double offset_information = 0.0;
+  // How the motion changes (as a left perturbation) when all disparities are taken to be a pixel larger.
+  Vector6d offset_sensitivity = Vector6d::Zero();
 };
 
 class MotionSolver {
@@ -52,6 +54,15 @@ class MotionSolver {
   // the previous camera's frame; observations come grouped by reference. Inlier flags and errors are written back.
   Motion solve(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
                const RigidTransform& start, double sigma_px, double sigma_d_px);
+
+  // The same for observations of unknown, mostly much smaller noise: where the residuals show that, the solution is
+  // repeated with the sigmas they show, so that a false match that comes close by chance is dropped.
+  Motion solve_tightening(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
+                          const RigidTransform& start, double sigma_px, double sigma_d_px);
+
+  // Writes flags and errors of all observations under a given motion.
+  void judge(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
+             const RigidTransform& T_prev_cur, double sigma_px, double sigma_d_px);
 
  private:
   void load(const std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref);
@@ -68,6 +79,7 @@ class MotionSolver {
   std::size_t capacity_ = 0;        // of each
   std::vector<MotionTerms> terms_;  // one a reference
   std::vector<std::size_t> place_;
+  std::vector<double> sorted_;
 };
 
 }  // namespace cliquevo::vo

@@ -20,6 +20,10 @@ constexpr double kOffsetPrior = 0.5;     // px
 constexpr double kOffsetDeflation = 4.0;
 constexpr double kOffsetFrameSigma = 0.1;      // px, error of one frame's figure that its noise does not show
 constexpr double kOffsetWander = 0.002;        // px a frame: calibrations drift with temperature
+constexpr double kRecent = 0.2;                // share of a frame in the running mean of the innovations ...
+constexpr double kTellingVariance = 0.05;      // px^2, (less of one that tells little) ...
+constexpr double kMostRecent = 5.0;            // px, ... to which it adds no more than this ...
+constexpr double kSurprise = 2.0;              // ... and whose square, in variances, is a surprise
 constexpr double kOffsetMostInnovation = 0.5;  // px, of one frame
 // What stays uncertain however long one looks: interpolation, lenses, the model itself.
 constexpr double kVerticalFloor = 0.02;  // px
@@ -72,6 +76,7 @@ void SelfCheck::reset() {
   fresh_ = 0;
   offset_px_ = 0.0;
   offset_variance_ = kOffsetPrior * kOffsetPrior;
+  recent_px_ = 0.0;
   frames_ = 0;
 }
 
@@ -108,10 +113,20 @@ void SelfCheck::add_offset(double residual_px, double information) {
   if (!(information > 0.0) || !std::isfinite(residual_px)) return;
   offset_variance_ += kOffsetWander * kOffsetWander;
   const double variance = kOffsetDeflation / information + kOffsetFrameSigma * kOffsetFrameSigma;
-  const double gain = offset_variance_ / (offset_variance_ + variance);
   const double innovation = compensate_ ? residual_px : residual_px - offset_px_;
-  offset_px_ += gain * std::clamp(innovation, -kOffsetMostInnovation, kOffsetMostInnovation);
+  const double share = kRecent * std::min(1.0, kTellingVariance / variance);
+  recent_px_ += share * (std::clamp(innovation, -kMostRecent, kMostRecent) - recent_px_);
+  // Far off what was thought possible, again and again: then less was known than thought.
+  if (recent_px_ * recent_px_ > kSurprise * (offset_variance_ + variance)) offset_variance_ += recent_px_ * recent_px_;
+  const double gain = offset_variance_ / (offset_variance_ + variance);
+  const double most = std::max(kOffsetMostInnovation, std::abs(recent_px_));
+  offset_px_ += gain * std::clamp(innovation, -most, most);
   offset_variance_ *= 1.0 - gain;
+}
+
+double SelfCheck::offset_variance_px2() const {
+  const double left = compensate_ ? 0.0 : offset_px_;
+  return offset_variance_ + recent_px_ * recent_px_ + left * left;
 }
 
 double SelfCheck::vertical_error_px(double u_px, double v_px) const { return terms(u_px, v_px).dot(vertical_); }

@@ -57,6 +57,8 @@ class SelfCheck {
   double vertical_error_px(double u_px, double v_px) const;
   // What the odometry takes off a measured disparity; 0 unless it compensates.
   double disparity_error_px(double u_px, double v_px) const;
+  // How uncertain disparities remain as they are used.
+  double offset_variance_px2() const;
   CalibrationCheck result() const;
 
  private:
@@ -75,6 +77,7 @@ class SelfCheck {
   int fresh_ = 0;
   double offset_px_ = 0.0;
   double offset_variance_ = 0.0;
+  double recent_px_ = 0.0;  // running mean of what remains after correction
   int frames_ = 0;
 };
 

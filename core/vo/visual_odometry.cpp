@@ -203,7 +203,11 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     e.disparity_offset_px = c.motion.offset_px;
     e.disparity_offset_information = c.motion.offset_information;
     if (c.status == Status::valid) {
-      if (s.params.refine) s.self_check.add_offset(c.motion.offset_px, c.motion.offset_information);
+      if (s.params.refine) {
+        s.self_check.add_offset(c.motion.offset_px, c.motion.offset_information);
+        const Vector6d& change = c.motion.offset_sensitivity;
+        c.motion.covariance += s.self_check.offset_variance_px2() * change * change.transpose();
+      }
       s.accept(c, *reference);
     } else {
       s.carry_on();

@@ -48,7 +48,7 @@ struct VoParams {
   int min_inliers = 10;                    // 3 is the geometric minimum
   double min_eigenvalue_ratio = 0.02;      // spread of the inliers in the image, smaller / larger axis (variances)
   double max_reprojection_error_px = 0.8;  // RMS over the inliers
-  double rival_share = 0.7;                // ambiguous: another motion has this share of the clique's support
+  double rival_share = 0.2;                // ambiguous: another motion has this share of the clique's support
 
   AfterFailure after_failure = AfterFailure::constant_velocity;
 

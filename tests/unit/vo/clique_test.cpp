@@ -107,10 +107,14 @@ TEST(Clique, ARivalMotionIsFoundBesideTheFirst) {
   params.match_disparity_sigma_px = 0.05;
   params.match_sigma_px = 0.05;
   CliqueFinder finder(kModel, params);
-  std::vector<int> clique, rival;
+  std::vector<int> clique, rest, rival;
   finder.find(pairs, clique);
   EXPECT_GE(clique.size(), 60u);
-  EXPECT_GE(finder.rival(pairs, clique, rival), 36);
+  for (int i = 0; i < 100; ++i) {
+    if (std::find(clique.begin(), clique.end(), i) == clique.end()) rest.push_back(i);
+  }
+  finder.among(100, rest, rival);
+  EXPECT_GE(rival.size(), 36u);
   EXPECT_LE(rival.size(), 42u);
 }
 

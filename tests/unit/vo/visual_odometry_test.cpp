@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -143,6 +144,45 @@ TEST(VisualOdometry, RefusesUnusableInputAndStaysAsItWas) {
   ASSERT_TRUE(vo.process(good.input(2)).ok());
   EXPECT_EQ(vo.estimate().status, Status::valid);
   EXPECT_NEAR(vo.estimate().T_world_camera.t.x(), 0.02, 0.002);
+}
+
+TEST(VisualOdometry, NamesWhatIsWrongWithItsInputAndStaysAsItWas) {
+  const Scene scene;
+  VisualOdometry vo = make();
+  ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
+  ASSERT_TRUE(vo.process(scene.from(0.01, 0.0).input(1)).ok());
+  const Estimate before = vo.estimate();
+  const Scene::Views good = scene.from(0.02, 0.0);
+  std::vector<FrameInput> bad(6, good.input(2));
+  bad[0].left = {};
+  bad[1].right = {};
+  bad[2].filtered_left = {};
+  bad[3].disparity = {};
+  bad[4].disparity.height = 17;
+  bad[5].stamp_ns = -5;
+  for (const FrameInput& input : bad) {
+    const Result<void> refused = vo.process(input);
+    ASSERT_FALSE(refused.ok());
+    EXPECT_FALSE(refused.error().what.empty() || refused.error().where.empty() || refused.error().remedy.empty());
+    EXPECT_EQ(vo.estimate().stamp_ns, before.stamp_ns);
+    EXPECT_EQ(vo.estimate().T_world_camera.t, before.T_world_camera.t);
+  }
+  for (double StereoModel::*member : {&StereoModel::fx_px, &StereoModel::fy_px, &StereoModel::baseline_m}) {
+    for (const double value : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()}) {
+      StereoModel impossible = kModel;
+      impossible.*member = value;
+      EXPECT_FALSE(VisualOdometry::make(impossible, {}).ok()) << value;
+    }
+  }
+  // Features without disparity are no features: a verdict, not an error.
+  Scene::Views flat = scene.from(0.02, 0.0);
+  flat.disparity.fill(kUnknownDisparity);
+  ASSERT_TRUE(vo.process(flat.input(2)).ok());
+  EXPECT_EQ(vo.estimate().features, 0);
+  EXPECT_EQ(vo.estimate().status, Status::too_few_features);
+  ASSERT_TRUE(vo.process(scene.from(0.03, 0.0).input(3)).ok());
+  EXPECT_EQ(vo.estimate().status, Status::valid);
+  EXPECT_NEAR(vo.estimate().T_world_camera.t.x(), 0.03, 0.002);
 }
 
 TEST(VisualOdometry, AMaskKeepsFeaturesAway) {
