@@ -313,8 +313,12 @@ Result<void> Config::check() const {
   }
   for (const auto& [key, channel] :
        {std::pair{"lcm.delta_body_channel", &lcm.delta_body_channel},
-        std::pair{"lcm.health_channel", &lcm.health_channel}, std::pair{"lcm.command_channel", &lcm.command_channel}}) {
+        std::pair{"lcm.images_channel", &lcm.images_channel}, std::pair{"lcm.health_channel", &lcm.health_channel},
+        std::pair{"lcm.command_channel", &lcm.command_channel}}) {
     if (channel->size() > 63) return own_range(key, "give a name of 63 characters at most, or none");
+  }
+  if (!(lcm.images_rate_hz >= 0.01 && lcm.images_rate_hz <= 1000.0)) {
+    return own_range("lcm.images_rate_hz", "give 0.01 to 1000");
   }
   for (const auto& [key, cpu] : {std::pair{"realtime.stereo_cpu", realtime.stereo_cpu},
                                  std::pair{"realtime.odometry_cpu", realtime.odometry_cpu}}) {

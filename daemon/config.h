@@ -35,7 +35,9 @@ struct LcmConfig {
   std::string delta_channel = "VO_DELTA_CAMERA";
   std::string pose_channel = "POSE_BODY";
   std::string status_channel = "VO_STATUS";
-  std::string delta_body_channel;  // the delta as the body moves; these three: empty = off
+  std::string delta_body_channel;  // the delta as the body moves; the channels from here on: empty = off
+  std::string images_channel;      // left image and disparity
+  double images_rate_hz = 2.0;
   std::string health_channel = "VO_HEALTH";
   std::string command_channel = "VO_COMMAND";
 };

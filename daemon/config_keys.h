@@ -149,6 +149,8 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("lcm.pose_channel", c.lcm.pose_channel);
   v.key("lcm.status_channel", c.lcm.status_channel);
   v.key("lcm.delta_body_channel", c.lcm.delta_body_channel);
+  v.key("lcm.images_channel", c.lcm.images_channel);
+  v.key("lcm.images_rate_hz", c.lcm.images_rate_hz);
   v.key("lcm.health_channel", c.lcm.health_channel);
   v.key("lcm.command_channel", c.lcm.command_channel);
 

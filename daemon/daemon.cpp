@@ -67,11 +67,17 @@ void describe(const drivers::SourceInfo& source, const StereoModel& model) {
 // What becomes of each estimate; runs on the output thread.
 struct Output {
   Publisher publisher;
+  ImageTap tap;
   std::optional<TrajectorySink> trajectory;
   SentCounts sent;
 
   void operator()(const PublishedFrame& frame) {
-    if (!publisher.publish(frame) && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
+    bool taken = publisher.publish(frame);
+    if (const TappedImages* images = tap.take()) {  // after the pose: nobody steers by a picture
+      taken = publisher.publish(*images) && taken;
+      tap.give_back();
+    }
+    if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
       spdlog::warn("LCM does not take messages: further ones are only counted");
     }
     if (frame.estimate.status == vo::Status::valid) sent.valid.fetch_add(1, std::memory_order_relaxed);
@@ -205,13 +211,17 @@ int run(const DaemonOptions& options) {
   auto publisher = make_publisher(*config, signals, service);
   if (!publisher) return report(publisher.error()), kBadInput;
   if (!*publisher) return kDone;
-  Output output{std::move(**publisher), std::nullopt, {}};
+  const StereoModel& model = (*workshop)->stereo.model();
+  Output output{std::move(**publisher),
+                {model.width, model.height, config->lcm.images_channel.empty() ? 0.0 : config->lcm.images_rate_hz},
+                std::nullopt,
+                {}};
   if (!options.trajectory.empty()) {
     auto trajectory = TrajectorySink::open(options.trajectory);
     if (!trajectory) return report(trajectory.error()), kBadInput;
     output.trajectory.emplace(std::move(*trajectory));
   }
-  describe(info, (*workshop)->stereo.model());
+  describe(info, model);
   spdlog::info("sending {}, {} and {} to {}", config->lcm.delta_channel, config->lcm.pose_channel,
                config->lcm.status_channel, config->lcm.url);
 
@@ -227,7 +237,11 @@ int run(const DaemonOptions& options) {
   PipelineWork work;
   work.prepare = [&shop](FrameSlot& slot) { shop.stereo.prepare(slot.frame); };
   work.stereo = [&shop](FrameSlot& slot) { return shop.stereo.run(slot.pair, slot.frame); };
-  work.odometry = [&shop](FrameSlot& slot) { return shop.odometry.run(slot.pair.stamp_ns, slot.frame); };
+  work.odometry = [&shop, &output](FrameSlot& slot) {
+    const auto done = shop.odometry.run(slot.pair.stamp_ns, slot.frame);
+    output.tap.offer(slot.pair.stamp_ns, slot.frame.left.cview(), slot.frame.disparity.cview());
+    return done;
+  };
   work.estimate = [&shop]() -> const vo::Estimate& { return shop.odometry.estimate(); };
   work.reset = [&shop] { shop.odometry.reset(); };
   work.output = [&output](const PublishedFrame& frame) { output(frame); };

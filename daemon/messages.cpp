@@ -161,4 +161,43 @@ void MessageBuilder::build_status(const PublishedFrame& frame, TimestampNs publi
   out.resets = frame.resets;
 }
 
+namespace {
+
+// size bytes of pixels, still to be written.
+std::uint8_t* begin_image(std::int64_t utime, int width, int height, int bytes_a_pixel, std::int32_t format,
+                          image_t& out) {
+  out.utime = utime;
+  out.width = width;
+  out.height = height;
+  out.row_stride = width * bytes_a_pixel;
+  out.pixelformat = format;
+  out.size = out.row_stride * height;
+  out.data.resize(static_cast<std::size_t>(out.size));
+  out.nmetadata = 0;
+  return out.data.data();
+}
+
+}  // namespace
+
+void build_images(const TappedImages& images, images_t& out) {
+  const std::int64_t utime = floor_us(images.stamp_ns);
+  const int width = images.left.width();
+  const int height = images.left.height();
+  out.utime = utime;
+  out.n_images = 2;
+  out.image_types = {images_t::LEFT, images_t::DISPARITY};
+  out.images.resize(2);
+  std::uint8_t* left = begin_image(utime, width, height, 1, image_t::PIXEL_FORMAT_GRAY, out.images[0]);
+  std::uint8_t* disparity = begin_image(utime, width, height, 2, image_t::PIXEL_FORMAT_LE_GRAY16, out.images[1]);
+  for (int y = 0; y < height; ++y) {
+    const std::uint8_t* grey = images.left.cview().row(y);
+    left = std::copy(grey, grey + width, left);
+    const std::uint16_t* values = images.disparity.cview().row(y);
+    for (int x = 0; x < width; ++x) {
+      *disparity++ = static_cast<std::uint8_t>(values[x] & 0xFF);
+      *disparity++ = static_cast<std::uint8_t>(values[x] >> 8);
+    }
+  }
+}
+
 }  // namespace cliquevo::daemon

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include <cliquevo/images_t.hpp>
 #include <cliquevo/pose_t.hpp>
 #include <cliquevo/status_t.hpp>
 #include <cliquevo/update_t.hpp>
@@ -12,6 +13,7 @@
 #include "core/base/rigid_transform.h"
 #include "core/base/time.h"
 #include "core/vo/visual_odometry.h"
+#include "daemon/image_tap.h"
 #include "daemon/published_frame.h"
 
 namespace cliquevo::daemon {
@@ -29,6 +31,9 @@ struct FrameMessages {
   pose_t pose{};
   status_t status{};
 };
+
+// Left image and disparity as VO_IMAGES sends them. Allocates the first time only.
+void build_images(const TappedImages& images, images_t& out);
 
 class MessageBuilder {
  public:

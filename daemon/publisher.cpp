@@ -3,6 +3,7 @@
 
 #include <vector>
 
+#include <cliquevo/images_t.hpp>
 #include <lcm/lcm-cpp.hpp>
 
 #include "daemon/clock.h"
@@ -52,6 +53,7 @@ struct Publisher::Impl {
         pose(config.pose_channel),
         status(config.status_channel),
         delta_body(config.delta_body_channel),
+        images(config.images_channel),
         health(config.health_channel) {}
 
   lcm::LCM lcm;
@@ -62,6 +64,8 @@ struct Publisher::Impl {
   Channel<pose_t> pose;
   Channel<status_t> status;
   Channel<update_t> delta_body;
+  Channel<images_t> images;
+  images_t images_message;
   Channel<health_t> health;
 };
 
@@ -91,6 +95,12 @@ bool Publisher::publish(const PublishedFrame& frame) {
   const bool status_sent = m.status.send(m.lcm, m.copy, m.messages.status);
   const bool delta_body_sent = m.delta_body.send(m.lcm, m.copy, m.messages.delta_body);
   return delta_sent && pose_sent && status_sent && delta_body_sent;
+}
+
+bool Publisher::publish(const TappedImages& images) {
+  Impl& m = *impl_;
+  build_images(images, m.images_message);
+  return m.images.send(m.lcm, m.copy, m.images_message);
 }
 
 bool Publisher::publish(const health_t& health) { return impl_->health.send(impl_->lcm, impl_->copy, health); }

@@ -9,6 +9,7 @@
 #include <cliquevo/health_t.hpp>
 
 #include "daemon/config.h"
+#include "daemon/image_tap.h"
 #include "daemon/published_frame.h"
 
 namespace cliquevo::daemon {
@@ -26,6 +27,8 @@ class Publisher {
   void copy_to(Copy copy);
   // false: a message could not be sent.
   bool publish(const PublishedFrame& frame);
+  // VO_IMAGES, from the thread that publishes frames.
+  bool publish(const TappedImages& images);
   // VO_HEALTH; may be called from another thread than the one above.
   bool publish(const health_t& health);
 

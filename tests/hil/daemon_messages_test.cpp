@@ -2,6 +2,7 @@
 // What an independent program receives from the daemon: LCM's own library, types from definitions of their own, over
 // real multicast.
 #include <atomic>
+#include <bot_core/images_t.hpp>
 #include <bot_core/pose_t.hpp>
 #include <chrono>
 #include <cmath>
@@ -165,6 +166,40 @@ TEST(DaemonMessages, ARecordingArrivesCompletelyAndAgreesWithItsTrajectory) {
     const double(&pos)[3] = subscriber.poses[i].pos;
     EXPECT_NEAR((Eigen::Vector3d(pos[0], pos[1], pos[2]) - Eigen::Vector3d(t.z(), -t.x(), -t.y())).norm(), 0.0, 1e-9);
   }
+}
+
+TEST(DaemonMessages, ImagesAreSentWhenAskedForAndAtTheirRate) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  lcm::LCM lcm(kUrl);
+  struct Collector {
+    std::vector<bot_core::images_t> seen;
+    void on_images(const lcm::ReceiveBuffer*, const std::string&, const bot_core::images_t* m) { seen.push_back(*m); }
+  } collector;
+  lcm.subscribe("VO_IMAGES", &Collector::on_images, &collector)->setQueueCapacity(100);
+  const std::string config = small_course(30, 1.0, "none") + "lcm: {images_channel: VO_IMAGES, images_rate_hz: 10}\n";
+  test::Subprocess daemon({test::binary("cliquevod"), "--config", write_config(test::scratch_dir(), config)});
+  for (int timeout_ms = 60'000; lcm.handleTimeout(timeout_ms) > 0; timeout_ms = 3000) {
+  }
+  EXPECT_EQ(daemon.wait().exit_code, 0);
+  const auto& seen = collector.seen;
+  ASSERT_GE(seen.size(), 2U);
+  EXPECT_LE(seen.size(), 11U) << "a second of frames";
+  const bot_core::images_t& images = seen.back();
+  ASSERT_EQ(images.n_images, 2);
+  EXPECT_EQ(images.image_types[0], bot_core::images_t::LEFT);
+  EXPECT_EQ(images.image_types[1], bot_core::images_t::DISPARITY);
+  const bot_core::image_t& disparity = images.images[1];
+  ASSERT_EQ(disparity.width, 256);
+  ASSERT_EQ(disparity.height, 192);
+  ASSERT_EQ(disparity.data.size(), 256U * 192U * 2U);
+  ASSERT_EQ(images.images[0].data.size(), 256U * 192U);
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < disparity.data.size(); i += 2) {
+    const int value = disparity.data[i] | disparity.data[i + 1] << 8;
+    EXPECT_LT(value, 48 * 16 + 16);
+    known += value > 0 ? 1 : 0;
+  }
+  EXPECT_GT(known, disparity.data.size() / 8);
 }
 
 TEST(DaemonMessages, SigtermEndsItCleanlyWithEveryPoseOfAProcessedFrameOut) {

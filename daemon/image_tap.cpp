@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/image_tap.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace cliquevo::daemon {
+
+ImageTap::ImageTap(int width, int height, double rate_hz)
+    : period_ns_(rate_hz > 0.0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0),
+      images_(std::make_unique<TappedImages>()) {
+  if (period_ns_ == 0) return;
+  images_->left.resize(width, height);
+  images_->left.fill(0);  // touched: the pages are there
+  images_->disparity.resize(width, height);
+  images_->disparity.fill(0);
+}
+
+void ImageTap::offer(TimestampNs stamp_ns, ImageView<const std::uint8_t> left,
+                     ImageView<const std::int16_t> disparity) {
+  if (period_ns_ == 0 || full_.load(std::memory_order_acquire)) return;
+  // A stamp before the last one: the source began anew.
+  if (has_last_ && stamp_ns >= last_ns_ && stamp_ns - last_ns_ < period_ns_) return;
+  has_last_ = true;
+  last_ns_ = stamp_ns;
+  images_->stamp_ns = stamp_ns;
+  const ImageView<std::uint8_t> left_copy = images_->left.view();
+  const ImageView<std::uint16_t> disparity_copy = images_->disparity.view();
+  const int height = std::min(left.height, left_copy.height);
+  const int width = std::min(left.width, left_copy.width);
+  for (int y = 0; y < height; ++y) {
+    std::memcpy(left_copy.row(y), left.row(y), static_cast<std::size_t>(width));
+    const std::int16_t* from = disparity.row(y);
+    std::uint16_t* to = disparity_copy.row(y);
+    for (int x = 0; x < width; ++x) to[x] = static_cast<std::uint16_t>(std::max<std::int16_t>(from[x], 0));
+  }
+  full_.store(true, std::memory_order_release);
+}
+
+}  // namespace cliquevo::daemon

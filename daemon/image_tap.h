@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Now and then a copy of what the odometry saw, for whoever wants to look: VO_IMAGES. The odometry thread gives, the
+// output thread takes; neither waits for the other.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+
+#include "core/base/image.h"
+#include "core/base/time.h"
+
+namespace cliquevo::daemon {
+
+struct TappedImages {
+  TimestampNs stamp_ns = 0;
+  Image<std::uint8_t> left;        // rectified
+  Image<std::uint16_t> disparity;  // px * 16; 0 = unknown, or not above 0
+};
+
+class ImageTap {
+ public:
+  // At most rate_hz pictures a second of the frames' own time; 0 = none ever. Takes all its memory here.
+  ImageTap(int width, int height, double rate_hz);
+
+  // Odometry thread: copies when a picture is due and the last one has been taken. No allocation, no lock.
+  void offer(TimestampNs stamp_ns, ImageView<const std::uint8_t> left, ImageView<const std::int16_t> disparity);
+
+  // Output thread: what was copied since, or nullptr; good until give_back().
+  const TappedImages* take() const { return full_.load(std::memory_order_acquire) ? images_.get() : nullptr; }
+  void give_back() { full_.store(false, std::memory_order_release); }
+
+ private:
+  std::int64_t period_ns_;  // 0 = off
+  bool has_last_ = false;
+  TimestampNs last_ns_ = 0;
+  std::unique_ptr<TappedImages> images_;
+  std::atomic<bool> full_{false};
+};
+
+}  // namespace cliquevo::daemon
