@@ -25,4 +25,6 @@ endif()
 if(TARGET cliquevod)
   cliquevo_add_system_test(test_system_recording SOURCES recording_test.cpp
     LIBRARIES cliquevo_recording PkgConfig::LCM DEPENDS cliquevod cliquevo)
+  cliquevo_add_test(test_recording_soak bench SOURCES recording_soak_test.cpp LIBRARIES cliquevo_recording
+    DEPENDS cliquevod TIMEOUT 900 ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
 endif()
