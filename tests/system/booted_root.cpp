@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 std::string folder() {
   const char* set = std::getenv("CLIQUEVO_SERVICE_ROOT");
-  return set != nullptr ? set : std::string(CLIQUEVO_BUILD_DIR) + "/service-root";
+  return set != nullptr && *set != '\0' ? set : std::string(CLIQUEVO_BUILD_DIR) + "/service-root";
 }
 
 void pause() { std::this_thread::sleep_for(std::chrono::milliseconds(50)); }
