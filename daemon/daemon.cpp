@@ -238,7 +238,7 @@ int run(const DaemonOptions& options) {
   work.prepare = [&shop](FrameSlot& slot) { shop.stereo.prepare(slot.frame); };
   work.stereo = [&shop](FrameSlot& slot) { return shop.stereo.run(slot.pair, slot.frame); };
   work.odometry = [&shop, &output](FrameSlot& slot) {
-    const auto done = shop.odometry.run(slot.pair.stamp_ns, slot.frame);
+    auto done = shop.odometry.run(slot.pair.stamp_ns, slot.frame);
     output.tap.offer(slot.pair.stamp_ns, slot.frame.left.cview(), slot.frame.disparity.cview());
     return done;
   };

@@ -93,7 +93,8 @@ void FeatureDetector::spread(ImageView<const std::int16_t> disparity, ImageView<
     if (d == kUnknownDisparity || d / static_cast<double>(kDisparityScale) + model_.doffs_px <= disparity_offset_px)
       continue;
     if (!mask.empty() && mask(c.x, c.y) == 0) continue;
-    auto& cell = cells_[static_cast<std::size_t>(c.y / params_.cell_px * across + c.x / params_.cell_px)];
+    auto& cell = cells_[static_cast<std::size_t>(c.y / params_.cell_px) * static_cast<std::size_t>(across) +
+                        static_cast<std::size_t>(c.x / params_.cell_px)];
     if (cell.size() < cell.capacity()) cell.push_back(c);
   }
   features.clear();

@@ -172,7 +172,7 @@ void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Rigid
 Motion MotionSolver::solve_tightening(std::vector<Observation>& observations,
                                       const std::vector<RigidTransform>& T_prev_ref, const RigidTransform& start,
                                       double sigma_px, double sigma_d_px) {
-  const Motion first = solve(observations, T_prev_ref, start, sigma_px, sigma_d_px);
+  Motion first = solve(observations, T_prev_ref, start, sigma_px, sigma_d_px);
   if (!first.converged) return first;
   sorted_.clear();
   for (const Observation& o : observations) {
