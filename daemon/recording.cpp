@@ -94,7 +94,7 @@ Result<void> Recording::stop() {
     impl_->active.store(false, std::memory_order_release);
   }
   if (!recorder) return {};
-  const Result<void> done = recorder->stop();
+  Result<void> done = recorder->stop();
   const drivers::RecorderCounts counts = recorder->counts();
   spdlog::info("recording ended: {} pairs and {} messages in {} files, {} left out", counts.pairs, counts.messages,
                counts.files, counts.left_out);
