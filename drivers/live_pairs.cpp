@@ -81,7 +81,7 @@ void LivePairs::push(Eye eye, const LiveFrame& frame) {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::uint32_t token = 0;
   if (!keep(eye, frame, token)) return;
-  sync_.push(eye, {frame.stamp_ns, frame.arrival_mono_ns, token}, outcome_);
+  sync_.push(eye, {frame.stamp_ns, frame.arrival_mono_ns, token, frame.sequence}, outcome_);
   take_outcome();
 }
 

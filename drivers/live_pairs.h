@@ -34,6 +34,7 @@ struct LiveFrame {
   TimestampNs stamp_ns = 0;             // the camera's clock
   std::int64_t arrival_mono_ns = 0;
   TimestampNs arrival_utc_ns = 0;
+  std::int64_t sequence = 0;  // the camera's count
 };
 
 class LivePairs {

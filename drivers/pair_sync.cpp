@@ -18,6 +18,13 @@ constexpr std::int64_t kDriftRestart = 20000;  // ... which begins anew now and 
 // Arrivals scatter by +-0.4 periods: frames of different exposures, whole periods apart, are never nearer than this.
 constexpr double kTogether = 0.2;
 constexpr std::size_t kMostUnnumbered = 4;
+// Frames of one stamp that came together speak for a shared clock, those that came apart against it, and more so.
+constexpr int kTogetherTells = 1;
+constexpr int kApartTells = 2;
+constexpr int kMostTrust = 4;
+constexpr int kLeastTrust = -8;
+constexpr double kRegular = 0.3;  // periods by which stamps may disagree with sequence numbers
+constexpr int kLeastRegular = 3;  // such frames in a row until a stamp that was made on arrival is believed
 
 Eye other(Eye eye) { return eye == Eye::left ? Eye::right : Eye::left; }
 
@@ -42,6 +49,18 @@ PairSync::PairSync(const PairSyncOptions& options)
     s.waiting.reserve(kMostWaiting + 1);
     s.unnumbered.reserve(kMostUnnumbered + 1);
   }
+}
+
+// Whether the stamp can be believed: a late one advances further than the sequence, and the next one less. A frame lost
+// on the wire that the camera's count leaves out looks the same at first, and costs a few frames.
+bool PairSync::is_regular(Side& s, const SyncFrame& frame) const {
+  const double periods = (static_cast<double>(frame.stamp_ns) - static_cast<double>(s.last_stamp_ns)) / period_ns_;
+  const double steps = static_cast<double>(frame.sequence) - static_cast<double>(s.last_sequence);
+  const bool agree = s.regular >= 0 && steps >= 1.0 && std::abs(periods - steps) <= kRegular;
+  s.regular = agree ? std::min(s.regular + 1, kLeastRegular) : 0;
+  s.last_stamp_ns = frame.stamp_ns;
+  s.last_sequence = frame.sequence;
+  return s.regular >= kLeastRegular;
 }
 
 void PairSync::release(Eye eye, const Waiting& frame, SyncLoss why, SyncOutcome& outcome) {
@@ -87,10 +106,10 @@ void PairSync::take_out(Eye eye, const Waiting& frame, SyncOutcome& outcome) {
 }
 
 // On a shared clock: the partner that has the same stamp, if it also came at the same time. A clock that is shared by
-// name alone brings it whole periods apart, and so does a late frame: with the first such case this way is closed, and
-// the clocks must have been learnt.
+// name alone brings it whole periods apart, every time: this way is then closed, and the clocks must have been learnt.
+// A stalled host brings it apart now and then.
 bool PairSync::pair_by_stamp(Eye eye, const Waiting& frame, SyncOutcome& outcome) {
-  if (!options_.shared_clock || contradicted_) return false;
+  if (!options_.shared_clock) return false;
   const auto is_partner = [&](const Waiting& w) {
     return std::abs(static_cast<double>(w.stamp_ns) - static_cast<double>(frame.stamp_ns)) <=
            options_.tolerance * period_ns_;
@@ -104,9 +123,11 @@ bool PairSync::pair_by_stamp(Eye eye, const Waiting& frame, SyncOutcome& outcome
   if (found == nullptr) return false;
   const Waiting partner = *found;
   if (std::abs(static_cast<double>(partner.arrival_ns - frame.arrival_ns)) > kTogether * period_ns_) {
-    contradicted_ = true;
+    trust_ = std::max(trust_ - kApartTells, kLeastTrust);
     return false;
   }
+  trust_ = std::min(trust_ + kTogetherTells, kMostTrust);
+  if (trust_ < 0) return false;
   const Waiting& left = eye == Eye::left ? frame : partner;
   const Waiting& right = eye == Eye::left ? partner : frame;
   if (last_stamp_ns_ && left.stamp_ns <= *last_stamp_ns_) return false;
@@ -120,7 +141,7 @@ bool PairSync::pair_by_stamp(Eye eye, const Waiting& frame, SyncOutcome& outcome
 
 void PairSync::keep_unnumbered(Eye eye, const Waiting& frame, SyncOutcome& outcome) {
   std::vector<Waiting>& list = side(eye).unnumbered;
-  const bool of_use = options_.shared_clock && !contradicted_ && !(last_stamp_ns_ && frame.stamp_ns <= *last_stamp_ns_);
+  const bool of_use = options_.shared_clock && !(last_stamp_ns_ && frame.stamp_ns <= *last_stamp_ns_);
   if (of_use && list.size() == kMostUnnumbered) {
     release(eye, list.front(), SyncLoss::uncertain, outcome);
     list.erase(list.begin());
@@ -288,6 +309,11 @@ void PairSync::push(Eye eye, const SyncFrame& frame, SyncOutcome& outcome) {
   ++mine.counts.received;
   mine.last_arrival_ns = std::max(mine.last_arrival_ns, frame.arrival_ns);
   mine.lost = false;
+  if (options_.stamped_on_arrival && !is_regular(mine, frame)) {
+    release(eye, {0, frame.stamp_ns, frame.token, false, frame.arrival_ns, false}, SyncLoss::uncertain, outcome);
+    expire(other(eye), outcome);
+    return;
+  }
   const EyeClock::Reading reading = mine.clock.read(frame.stamp_ns, frame.arrival_ns);
   Waiting item{reading.index,    frame.stamp_ns,
                frame.token,      reading.verdict == EyeClock::Verdict::certain,

@@ -22,6 +22,9 @@ struct PairSyncOptions {
   // Stamps of both eyes are on one clock (PTP, or mapped to the host's): frames that arrive together need not wait
   // until the clocks are learnt.
   bool shared_clock = false;
+  // Stamps are made by this host when a frame arrives: after a stall they are late by any amount. A frame is then taken
+  // only behind others whose stamps advance as their sequence numbers do.
+  bool stamped_on_arrival = false;
   double tolerance = 0.25;    // periods; largest difference of exposure where they are not triggered, or clock shared
   double lost_after_s = 1.0;  // without a frame an eye counts as lost
 
@@ -33,6 +36,7 @@ struct SyncFrame {
   TimestampNs stamp_ns = 0;
   std::int64_t arrival_ns = 0;
   std::uint32_t token = 0;
+  std::int64_t sequence = 0;  // the camera's count of exposures, as far as it goes; used where stamped on arrival
 };
 
 struct SyncPair {
@@ -124,10 +128,14 @@ class PairSync {
     bool any_paired = false;  // since this eye's numbers began
     std::int64_t last_arrival_ns = 0;
     bool lost = false;
+    TimestampNs last_stamp_ns = 0;  // of any frame, as is its number
+    std::int64_t last_sequence = 0;
+    int regular = -1;  // frames in a row whose stamp and sequence agree; -1: none at all yet
   };
 
   Side& side(Eye eye) { return sides_[static_cast<std::size_t>(eye)]; }
   const Side& side(Eye eye) const { return sides_[static_cast<std::size_t>(eye)]; }
+  bool is_regular(Side& s, const SyncFrame& frame) const;
   void release(Eye eye, const Waiting& frame, SyncLoss why, SyncOutcome& outcome);
   void release_all(Eye eye, SyncLoss why, SyncOutcome& outcome);
   void release_below(Eye eye, std::int64_t index, SyncOutcome& outcome);
@@ -149,7 +157,7 @@ class PairSync {
   std::optional<std::int64_t> relation_;  // right number - left number of one exposure
   bool begun_ = false;
   bool out_of_phase_ = false;
-  bool contradicted_ = false;                 // frames of one stamp came apart: stamps alone prove nothing
+  int trust_ = 0;                             // in stamps alone: below 0 there is none
   std::optional<TimestampNs> last_stamp_ns_;  // left one of the last pair, on a shared clock
   std::int64_t drift_index_ = 0;              // left number and offset that the drift is measured from
   double drift_offset_ns_ = 0.0;

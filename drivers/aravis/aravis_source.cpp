@@ -32,6 +32,7 @@ constexpr milliseconds kFirstRetry{200};
 constexpr milliseconds kLastRetry{2000};
 constexpr std::uint64_t kTakeUs = 100'000;
 constexpr std::int64_t kFollowNs = 500'000'000;  // how often the right eye takes over the left one's exposure
+constexpr double kMostSkewS = 0.005;
 constexpr std::uint16_t kGvcpPort = 3956;
 
 TimestampNs utc_now_ns() {
@@ -223,6 +224,9 @@ Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options) {
   sync.rate_hz = options.rate_hz;
   sync.triggered = options.trigger != CameraTrigger::off;
   sync.shared_clock = options.shared_clock;
+  // We trigger both, one right after the other: what a busy network holds up is no pair.
+  const bool we_trigger = options.trigger == CameraTrigger::software || options.trigger == CameraTrigger::action;
+  if (we_trigger && options.shared_clock) sync.tolerance = std::min(sync.tolerance, kMostSkewS * options.rate_hz);
   auto left = open_patiently(options.left, options, false);
   if (!left) return left.error();
   auto right = open_patiently(options.right, options, true);

@@ -204,6 +204,7 @@ void LibcameraCamera::completed(libcamera::Request* request) {
     frame.stamp_utc_ns += std::int64_t{*exposure_us} * 500;  // the stamp is of its start
   }
   if (const auto gain = request->metadata().get(libcamera::controls::AnalogueGain)) gain_ = *gain;
+  frame.sequence = metadata.sequence;
   const Mapped& mapped = mapped_.at(buffer);
   frame.whole = metadata.status == libcamera::FrameMetadata::FrameSuccess;
   const std::size_t used = metadata.planes().empty() ? 0 : metadata.planes()[0].bytesused;

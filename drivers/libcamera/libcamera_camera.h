@@ -22,6 +22,7 @@ struct LibcameraFrame {
   TimestampNs stamp_utc_ns = 0;
   TimestampNs arrival_utc_ns = 0;
   std::int64_t arrival_mono_ns = 0;
+  std::int64_t sequence = 0;  // the driver's count
   bool whole = false;
 };
 

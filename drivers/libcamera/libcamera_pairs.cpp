@@ -44,6 +44,7 @@ Result<std::unique_ptr<LibcameraPairs>> LibcameraPairs::open(const CameraOptions
   sync.rate_hz = options.rate_hz;
   sync.triggered = options.trigger != CameraTrigger::off;
   sync.shared_clock = true;  // the kernel's
+  sync.stamped_on_arrival = true;
   out->pairs_ = std::make_unique<LivePairs>(sync, out->width_, out->height_);
   for (std::size_t i = 0; i < eyes; ++i) {
     if (auto ok = out->cameras_[i]->start(); !ok) return ok.error();
@@ -65,7 +66,7 @@ void LibcameraPairs::hand_on(Eye eye, const LibcameraFrame& frame) {
     pairs_->count_incomplete(eye);
     return;
   }
-  const LiveFrame left{first.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns};
+  const LiveFrame left{first.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns, frame.sequence};
   if (options_.layout == EyeLayout::two_cameras) {
     pairs_->push(eye, left);
     return;

@@ -105,16 +105,22 @@ class Collector {
   std::vector<std::uint8_t> bytes_;
 };
 
+// A damaged log may hold any number.
+TimestampNs from_us(std::int64_t us) {
+  constexpr std::int64_t kMostUs = INT64_MAX / 1000;
+  return std::clamp(us, -kMostUs, kMostUs) * 1000;
+}
+
 // Exposures, without reading the pixels. A message that cannot be read keeps the log's time, and is next()'s to report.
 void read_stamps(Contents& contents) {
   constexpr std::size_t kEnough = 128;
   std::vector<std::uint8_t> bytes;
   for (LoggedPair& pair : contents.pairs) {
     const EventLogReader& file = contents.files[pair.file];
-    pair.stamp_ns = pair.event.utime * 1000;
+    pair.stamp_ns = from_us(pair.event.utime);
     if (!file.read(pair.event, bytes, kEnough)) continue;
     const StereoMessageStart start = parse_stereo_start(bytes.data(), bytes.size());
-    if (start.utime) pair.stamp_ns = *start.utime * 1000;
+    if (start.utime) pair.stamp_ns = from_us(*start.utime);
     if (start.metadata_at <= 0 || start.metadata_at >= pair.event.size) continue;
     LoggedEvent metadata = pair.event;
     metadata.data_at += start.metadata_at;

@@ -314,6 +314,7 @@ V4l2Taken V4l2Camera::take(int timeout_ms, V4l2Frame& frame) {
   frame.arrival_utc_ns = now_ns(CLOCK_REALTIME);
   frame.stamp_utc_ns = stamp_of(std::int64_t{buffer.timestamp.tv_sec} * 1'000'000'000 + buffer.timestamp.tv_usec * 1000,
                                 buffer.flags, frame);
+  frame.sequence = buffer.sequence;
   frame.raw = {static_cast<const std::uint8_t*>(buffers_[buffer.index].data),
                buffer.bytesused,
                fourcc_,

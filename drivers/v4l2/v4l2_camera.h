@@ -26,6 +26,7 @@ struct V4l2Frame {
   TimestampNs stamp_utc_ns = 0;  // middle of the exposure as far as the driver tells
   TimestampNs arrival_utc_ns = 0;
   std::int64_t arrival_mono_ns = 0;
+  std::int64_t sequence = 0;  // the driver's count
 };
 
 class V4l2Camera {

@@ -43,6 +43,7 @@ Result<std::unique_ptr<V4l2Pairs>> V4l2Pairs::open(const CameraOptions& options)
   sync.rate_hz = options.rate_hz;
   sync.triggered = options.trigger != CameraTrigger::off;
   sync.shared_clock = true;  // the kernel's
+  sync.stamped_on_arrival = true;
   const int width = eye_width(options.layout, cameras[0].fourcc(), cameras[0].width());
   const int height = cameras[0].height();
   return std::unique_ptr<V4l2Pairs>(new V4l2Pairs(options, sync, std::move(cameras), width, height));
@@ -128,7 +129,8 @@ void V4l2Pairs::hand_on(Eye eye, const V4l2Frame& frame) {
     pairs_.count_incomplete(eye);
     return;
   }
-  const LiveFrame left{grey.left.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns};
+  const LiveFrame left{grey.left.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns,
+                       frame.sequence};
   if (options_.layout == EyeLayout::two_cameras) {
     pairs_.push(eye, left);
     return;

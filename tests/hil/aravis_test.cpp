@@ -19,6 +19,7 @@
 
 #include "drivers/recording.h"
 #include "tests/hil/private_network.h"
+#include "tests/support/stall_watch.h"
 #include "tests/support/subprocess.h"
 #include "tests/support/test_data.h"
 
@@ -170,27 +171,38 @@ std::set<std::int64_t> sent_by_both(const std::string& log) {
   return both;
 }
 
+// Every exposure that both eyes sent must come as a pair, but for those that were sent while the machine stood still or
+// just before or after: a camera would not have waited, and its packets would not have come in a lump.
 TEST(AravisHil, EveryPairIsATrueOneByteForByteAndHardlyAnyIsMissing) {
   CLIQUEVO_NEEDS_TWO_ADDRESSES();
   const Course course;
   for (const double rate_hz : {10.0, 30.0, 60.0}) {
-    double best = 0.0;
-    for (int attempt = 0; attempt < 4 && best < 0.999; ++attempt) {  // a machine that is busy may lose some
-      const std::string log = test::scratch_dir() + "/sent.txt";
-      Rig rig(course, {"--pingpong", "--log", log});
-      const auto source = open(camera_options(course, rate_hz));
-      ASSERT_NE(source, nullptr);
-      EXPECT_EQ(take(*source, course, 60).wrong, 0);  // the start
-      const Seen seen = take(*source, course, rate_hz < 20.0 ? 40 : 200);
-      EXPECT_EQ(seen.wrong, 0) << rate_hz << " Hz; " << source->status();
-      ASSERT_GE(seen.stamps_us.size(), 40U) << source->status();
-      const auto sent = sent_by_both(log);
-      const auto begin = sent.lower_bound(seen.stamps_us.front());
-      const auto end = sent.upper_bound(seen.stamps_us.back());
-      best = std::max(best, static_cast<double>(seen.pairs) / static_cast<double>(std::distance(begin, end)));
+    const auto period_us = static_cast<std::int64_t>(1e6 / rate_hz);
+    const std::string log = test::scratch_dir() + "/sent.txt";
+    Rig rig(course, {"--pingpong", "--log", log});
+    const auto source = open(camera_options(course, rate_hz));
+    ASSERT_NE(source, nullptr);
+    EXPECT_EQ(take(*source, course, 60).wrong, 0);  // the start
+    test::StallWatch watch(std::min<std::int64_t>(4'000, period_us / 10));
+    const Seen seen = take(*source, course, rate_hz < 20.0 ? 100 : 300);
+    const std::vector<test::StallWatch::Stall> stalls = watch.stop();
+    EXPECT_EQ(seen.wrong, 0) << rate_hz << " Hz; " << source->status();
+    ASSERT_GE(seen.stamps_us.size(), 40U) << source->status();
+    const std::set<std::int64_t> taken(seen.stamps_us.begin(), seen.stamps_us.end());
+    int judged = 0;
+    int missing = 0;
+    const std::set<std::int64_t> sent = sent_by_both(log);
+    for (auto s = sent.lower_bound(seen.stamps_us.front()); s != sent.upper_bound(seen.stamps_us.back()); ++s) {
+      const bool stalled = std::any_of(stalls.begin(), stalls.end(), [&](const test::StallWatch::Stall& stall) {
+        return *s > stall.begin_us - 3 * period_us && *s < stall.end_us + 8 * period_us;
+      });
+      if (stalled) continue;
+      ++judged;
+      missing += taken.count(*s) == 0 ? 1 : 0;
     }
-    EXPECT_GE(best, 0.999) << rate_hz << " Hz";
-    EXPECT_LE(best, 1.0) << rate_hz << " Hz";
+    EXPECT_LE(missing, judged / 1000) << rate_hz << " Hz, " << judged << " judged; " << source->status();
+    std::printf("%g Hz: %d of %d exposures that no stall was near to are missing (%zu stalls); %s\n", rate_hz, missing,
+                judged, stalls.size(), source->status().c_str());
   }
 }
 

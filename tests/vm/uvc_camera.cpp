@@ -88,6 +88,8 @@ class Camera {
       const int ready = ::poll(&wait, 1, patience_ms());
       if (ready > 0) {
         if (!handle()) return;
+      } else if (!asked_.empty() && sent_ == 0 && now_ns() - due_ns_ > period_ns() / 10) {
+        due_ns_ = next_tick_ns();  // held up: a camera would not expose later for that
       } else if (!asked_.empty() && (sent_ > 0 || now_ns() >= due_ns_)) {
         if (!send_part()) return;
       }
