@@ -63,7 +63,9 @@ std::string plain_name(const char* name) {
 Error cannot_open(const std::string& path) {
   if (errno == EACCES || errno == EPERM) {
     const std::string group = group_of(path);
-    return {"no permission for camera", path, fmt::format("join the group {0}: adduser USER {0}", group)};
+    return {"no permission for camera", path,
+            group == "root" ? "it is root's alone: install udev, which gives cameras to the group video"
+                            : fmt::format("join the group {0}: adduser USER {0}", group)};
   }
   if (errno == EBUSY) return {"camera is busy", path, "another program holds it: end that one"};
   return {"cannot open camera", path, std::string(std::strerror(errno)) + ": check that it is plugged in"};

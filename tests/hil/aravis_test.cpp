@@ -320,6 +320,30 @@ TEST(AravisHil, ADaemonThatWasKilledGetsTheCamerasBackByItself) {
   }
 }
 
+TEST(AravisHil, TheRigTestSeesTheCamerasUnpluggedAndBack) {
+  CLIQUEVO_NEEDS_TWO_ADDRESSES();
+  const Course course;
+  const std::string dir = test::scratch_dir();
+  Rig rig(course, {"--pingpong"});
+  rig.wait_until_seen();
+  test::Subprocess tool({"sh", "-c",
+                         "exec " + test::binary("cliquevo") + " cameras test --seconds 1 --unplug --config " +
+                             daemon_config(course, dir) + " >" + dir + "/out"});
+  const auto told = [&](const std::string& words) {
+    for (int i = 0; i < 1500; ++i) {
+      if (test::read_file(dir + "/out").find(words) != std::string::npos) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+    return false;
+  };
+  ASSERT_TRUE(told("unplug a camera"));
+  std::this_thread::sleep_for(std::chrono::seconds(2));
+  rig.kill();
+  ASSERT_TRUE(told("lost") || told("reconnecting")) << test::read_file(dir + "/out");
+  rig.start();
+  EXPECT_TRUE(told("it came back: pairs flow")) << test::read_file(dir + "/out");
+}
+
 TEST(AravisHil, WhatCannotBeOpenedIsToldInOneLine) {
   CLIQUEVO_NEEDS_TWO_ADDRESSES();
   const Course course;

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <filesystem>
 #include <fovis/update_t.hpp>
 #include <fstream>
 #include <thread>
@@ -57,6 +58,7 @@ class Subscriber {
   std::atomic<int> statuses_seen{0};
   std::atomic<int> healths_seen{0};
   std::atomic<int> resets_seen{0};
+  std::atomic<bool> recording{false};  // as the last health says
 
  private:
   void on_delta(const lcm::ReceiveBuffer*, const std::string&, const fovis::update_t* m) { deltas.push_back(*m); }
@@ -68,12 +70,22 @@ class Subscriber {
   }
   void on_health(const lcm::ReceiveBuffer*, const std::string&, const health_t* m) {
     healths.push_back(*m);
+    recording = m->recording_text.rfind("recording, ", 0) == 0;
     ++healths_seen;
   }
 
   lcm::LCM lcm_;
   std::atomic<bool> stop_{false};
   std::thread thread_;
+};
+
+struct StereoCount {
+  int images = 0;
+  int width = 0;
+  void on_images(const lcm::ReceiveBuffer*, const std::string&, const bot_core::images_t* m) {
+    ++images;
+    width = m->n_images == 2 ? m->images[0].width : 0;
+  }
 };
 
 bool all_finite(const double* values, std::size_t count) {
@@ -252,6 +264,73 @@ TEST(DaemonMessages, ACommandResetsThePose) {
   const double(&pos)[3] = subscriber.poses[reset].pos;
   EXPECT_EQ(Eigen::Vector3d(pos[0], pos[1], pos[2]).norm(), 0.0) << "the frame is the new origin";
   EXPECT_NE(subscriber.poses[reset - 1].pos[0], 0.0);
+}
+
+TEST(DaemonMessages, CommandsStartAndStopARecordingThatPlays) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  namespace fs = std::filesystem;
+  Subscriber subscriber;
+  const std::string dir = test::scratch_dir();
+  const std::string config =
+      write_config(dir, small_course(10, 1.0, "pingpong") + "recording: {folder: " + dir + "/logs}\n");
+  test::Subprocess daemon({test::binary("cliquevod"), "--config", config});
+  lcm::LCM lcm(kUrl);
+  const auto logs = [&] {
+    std::vector<std::string> out;
+    std::error_code none_yet;
+    for (const auto& entry : fs::directory_iterator(dir + "/logs", none_yet)) out.push_back(entry.path().string());
+    return out;
+  };
+  const auto ask = [&](std::int8_t what) {
+    command_t command{};
+    command.command = what;
+    lcm.publish("VO_COMMAND", &command);
+  };
+  const auto until = [&](const auto& done, const auto& meanwhile) {
+    const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+    while (!done() && std::chrono::steady_clock::now() < give_up) {
+      meanwhile();
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+    return done();
+  };
+  ASSERT_TRUE(until([&] { return logs().size() == 1; },
+                    [&] {
+                      if (subscriber.statuses_seen > 5) ask(command_t::START_RECORDING);
+                    }));
+  const int begun = subscriber.statuses_seen;
+  ASSERT_TRUE(until([&] { return subscriber.statuses_seen > begun + 10; }, [] {}));
+  ask(command_t::START_RECORDING);  // while one is written: nothing happens
+  ASSERT_TRUE(until([&] { return subscriber.recording.load(); }, [] {}));
+  ASSERT_TRUE(until([&] { return !subscriber.recording.load(); }, [&] { ask(command_t::STOP_RECORDING); }));
+  ASSERT_EQ(logs().size(), 1U);
+  const auto size = fs::file_size(logs()[0]);
+  const int stopped = subscriber.statuses_seen;
+  ASSERT_TRUE(until([&] { return subscriber.statuses_seen > stopped + 5; }, [] {}));
+  EXPECT_EQ(fs::file_size(logs()[0]), size);
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait().exit_code, 0);
+  const test::Finished replay = test::run({test::binary("cliquevo"), "replay", logs()[0]});
+  EXPECT_EQ(replay.exit_code, 0) << replay.err;
+}
+
+TEST(DaemonMessages, LcmsOwnPlayerPlaysALogOfOurs) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  if (test::run({"which", "lcm-logplayer"}).exit_code != 0) GTEST_SKIP() << "needs lcm-logplayer (liblcm-bin)";
+  const std::string log = test::scratch_dir() + "/a.lcm";
+  ASSERT_EQ(test::run({test::binary("cliquevo"), "record",
+                       "sim:width=256,height=192,focal_px=280,frames=8,cache_dir=none", "--out", log})
+                .exit_code,
+            0);
+  lcm::LCM receiver(kUrl);
+  StereoCount count;
+  receiver.subscribe("VO_STEREO", &StereoCount::on_images, &count)->setQueueCapacity(100);
+  test::Subprocess player({"lcm-logplayer", "--lcm-url", kUrl, "--speed", "0.5", log});
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (count.images < 8 && std::chrono::steady_clock::now() < give_up) receiver.handleTimeout(100);
+  EXPECT_EQ(player.wait().exit_code, 0);
+  EXPECT_EQ(count.images, 8);
+  EXPECT_EQ(count.width, 256);
 }
 
 TEST(DaemonMessages, WithoutARouteItSaysSoInOneLineAndEnds) {
