@@ -129,7 +129,7 @@ Result<void> settle_size(CameraCalibration& camera, const CalibrationRequest& re
   if (camera.width == 0 && camera.height == 0) {
     camera.width = request.width;
     camera.height = request.height;
-    if (const Result<void> ok = check_camera(camera, where); !ok) return ok;
+    if (auto ok = check_camera(camera, where); !ok) return ok;
     return request.width > 0 ? check_centre(camera, where) : Result<void>{};
   }
   if (camera.width < 16 || camera.height < 16 || camera.width > 16384 || camera.height > 16384) {
