@@ -9,44 +9,17 @@
 
 #include "drivers/libcamera.h"
 #include "drivers/libcamera/libcamera_pairs.h"
-#include "tests/vm/made_up_yuyv.h"
+#include "tests/vm/in_vm.h"
 
 namespace {
 
 using namespace cliquevo;
 using drivers::LibcameraPairs;
-
-int failures = 0;
-
-void check(bool ok, const std::string& what) {
-  std::printf("%s %s\n", ok ? "ok  " : "FAIL", what.c_str());
-  std::fflush(stdout);
-  if (!ok) ++failures;
-}
-
-pid_t plug_in(const char* port, const char* serial, const char* seed) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::execl("/bin/uvc_camera", "uvc_camera", port, "160", "120", "10", serial, seed, nullptr);
-    ::_exit(127);
-  }
-  return child;
-}
-
-struct Seen {
-  int pairs = 0;
-  int wrong = 0;
-};
-Seen take_true_pairs(LibcameraPairs& pairs, int wanted) {
-  Seen seen;
-  drivers::StereoPair pair;
-  while (seen.pairs < wanted && pairs.next(pair)) {
-    const std::int64_t left = test::number_of(pair.left.cview(), 1);
-    if (left < 0 || test::number_of(pair.right.cview(), 2) != left) ++seen.wrong;
-    ++seen.pairs;
-  }
-  return seen;
-}
+using test::check;
+using test::failures;
+using test::plug_in;
+using test::Seen;
+using test::take_true_pairs;
 
 }  // namespace
 

@@ -18,7 +18,7 @@
 
 #include "drivers/v4l2.h"
 #include "drivers/v4l2/v4l2_pairs.h"
-#include "tests/vm/made_up_yuyv.h"
+#include "tests/vm/in_vm.h"
 
 namespace {
 
@@ -27,29 +27,11 @@ using namespace cliquevo;
 using drivers::CameraOptions;
 using drivers::StereoPair;
 using drivers::V4l2Pairs;
-
-constexpr unsigned kWidth = 160;
-constexpr unsigned kHeight = 120;
-constexpr const char* kRate = "10";
-
-int failures = 0;
-
-void check(bool ok, const std::string& what) {
-  std::printf("%s %s\n", ok ? "ok  " : "FAIL", what.c_str());
-  std::fflush(stdout);
-  if (!ok) ++failures;
-}
-
-pid_t plug_in(const char* port, const char* serial, const char* seed) {
-  const pid_t child = ::fork();
-  if (child == 0) {
-    const std::string width = std::to_string(kWidth);
-    const std::string height = std::to_string(kHeight);
-    ::execl("/bin/uvc_camera", "uvc_camera", port, width.c_str(), height.c_str(), kRate, serial, seed, nullptr);
-    ::_exit(127);
-  }
-  return child;
-}
+using test::check;
+using test::failures;
+using test::plug_in;
+using test::Seen;
+using test::take_true_pairs;
 
 // The capture devices whose driver has this name, by bus: in the order of their ports.
 std::map<std::string, std::string> devices_of(const std::string& driver) {
@@ -95,22 +77,6 @@ CameraOptions options_for(double rate_hz) {
   options.right = "/dev/eye-right";
   options.rate_hz = rate_hz;
   return options;
-}
-
-struct Seen {
-  int pairs = 0;
-  int wrong = 0;
-};
-Seen take_true_pairs(V4l2Pairs& pairs, int wanted) {
-  Seen seen;
-  StereoPair pair;
-  while (seen.pairs < wanted && pairs.next(pair)) {
-    const std::int64_t left = test::number_of(pair.left.cview(), 1);
-    const std::int64_t right = test::number_of(pair.right.cview(), 2);
-    if (left < 0 || right != left) ++seen.wrong;
-    ++seen.pairs;
-  }
-  return seen;
 }
 
 // In a process of a user that is in no group.
