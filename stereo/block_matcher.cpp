@@ -13,11 +13,11 @@ void StripMatcher::prepare(const StereoParams& params, int width) {
   neutral_.assign(n, static_cast<std::uint8_t>(params.prefilter_cap));
   texture_columns_.resize(n);
   texture_.resize(n);
-  right_best_.resize(2 * n);
+  right_best_.resize(3 * n);
   astray_.resize(n);
 }
 
-void StripMatcher::sum_texture(const kernels::Table& kernel, const StereoParams& params, int y,
+void StripMatcher::sum_texture(const kernels::Table& kernel, const StereoParams& params, int y, int step,
                                ImageView<const std::uint8_t> filtered, bool first) {
   const int rows = params.window_height / 2;
   const int neutral = params.prefilter_cap;
@@ -28,13 +28,14 @@ void StripMatcher::sum_texture(const kernels::Table& kernel, const StereoParams&
       kernel.texture_columns(row(j), neutral_.data(), neutral, filtered.width, texture_columns_.data());
     }
   } else {
-    kernel.texture_columns(row(y + rows), row(y - rows - 1), neutral, filtered.width, texture_columns_.data());
+    kernel.texture_columns(row(y + step * rows), row(y - step * (rows + 1)), neutral, filtered.width,
+                           texture_columns_.data());
   }
   kernel.texture_sums(texture_columns_.data(), filtered.width, params.window / 2, texture_.data());
 }
 
 void StripMatcher::match(const kernels::Table& kernel, const StereoParams& params, const MatchingPair& pair,
-                         ImageView<const std::uint8_t> filtered, int begin, int end,
+                         ImageView<const std::uint8_t> filtered, int y, int step, bool first,
                          ImageView<std::int16_t> disparity) {
   kernels::MatchJob job{};
   job.left = pair.left.row(0);
@@ -48,22 +49,21 @@ void StripMatcher::match(const kernels::Table& kernel, const StereoParams& param
   job.window_height = params.window_height;
   job.min_disparity = params.min_disparity;
   job.num_disparities = params.num_disparities;
+  job.y = y;
+  job.step = step;
+  job.first = first;
   job.second = params.uniqueness_percent > 0;
   job.columns = columns_.view().data;
   job.costs = costs_.view().data;
   job.out.rows = found_.view().data;
-  for (int y = begin; y < end; ++y) {
-    job.y = y;
-    job.first = y == begin;
-    kernel.match_row(job);
-    if (params.texture_threshold > 0) sum_texture(kernel, params, y, filtered, job.first);
-    if (params.left_right_tolerance >= 0) {
-      kernel.cross_check({job.out, job.width, right_best_.data(), astray_.data()});
-    }
-    kernel.finish_row({job.out, astray_.data(), texture_.data(), job.width, params.uniqueness_percent,
-                       params.texture_threshold * params.window * params.window_height, params.left_right_tolerance},
-                      disparity.row(y));
+  kernel.match_row(job);
+  if (params.texture_threshold > 0) sum_texture(kernel, params, y, step, filtered, first);
+  if (params.left_right_tolerance >= 0) {
+    kernel.cross_check({job.out, job.width, right_best_.data(), astray_.data()});
   }
+  kernel.finish_row({job.out, astray_.data(), texture_.data(), job.width, params.uniqueness_percent,
+                     params.texture_threshold * params.window * params.window_height, params.left_right_tolerance},
+                    disparity.row(y));
 }
 
 }  // namespace cliquevo::stereo

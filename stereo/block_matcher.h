@@ -12,16 +12,17 @@
 
 namespace cliquevo::stereo {
 
-// Matches the rows of one strip from top to bottom; each worker owns one.
+// Matches rows one after the other, downwards or upwards; each worker owns one.
 class StripMatcher {
  public:
   void prepare(const StereoParams& params, int width);
-  // Rows [begin, end) of the disparity image. `filtered` is the pre-filtered left image, which the texture test reads.
+  // Row y of the disparity image; unless it is the worker's first, row y - step came before. `filtered` is the
+  // pre-filtered left image, which the texture test reads.
   void match(const kernels::Table& kernel, const StereoParams& params, const MatchingPair& pair,
-             ImageView<const std::uint8_t> filtered, int begin, int end, ImageView<std::int16_t> disparity);
+             ImageView<const std::uint8_t> filtered, int y, int step, bool first, ImageView<std::int16_t> disparity);
 
  private:
-  void sum_texture(const kernels::Table& kernel, const StereoParams& params, int y,
+  void sum_texture(const kernels::Table& kernel, const StereoParams& params, int y, int step,
                    ImageView<const std::uint8_t> filtered, bool first);
 
   Image<std::uint8_t> columns_;

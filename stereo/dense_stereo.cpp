@@ -2,12 +2,15 @@
 #include "stereo/dense_stereo.h"
 
 #include <algorithm>
+#include <atomic>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "stereo/block_matcher.h"
 #include "stereo/prefilter.h"
+#include "stereo/row_shares.h"
 #include "stereo/smoothing.h"
 #include "stereo/speckles.h"
 #include "stereo/worker_pool.h"
@@ -37,10 +40,27 @@ struct DenseStereo::Impl {
   int height = 0;
   const kernels::Table& kernel = kernels::active();
   MatchingPair pair;
-  std::vector<StripMatcher> strips;  // one a worker
   std::unique_ptr<WorkerPool> pool;
+  std::optional<RowShares> shares;
+  std::vector<StripMatcher> strips;  // one a worker, as the smoothers
+  std::vector<Smoother> smoothers;
   SpeckleFilter speckles;
-  Smoother smoother;
+  Image<std::int16_t> matched;  // before speckles are removed and surfaces smoothed
+  std::atomic<int> next_row{0};
+
+  bool afterwards() const { return params.speckle_size > 0 || params.smoothing > 0; }
+  void match(int worker, ImageView<const std::uint8_t> filtered, ImageView<std::int16_t> out);
+  void clean_and_smooth(int worker, int begin, int end, ImageView<std::int16_t> out);
+  // Calls work(worker, begin, end) for bands of rows; whoever is free takes the next one.
+  template <typename Work>
+  void share_bands(int band, const Work& work) {
+    next_row.store(0);
+    pool->run([&](int worker) {
+      for (int begin = next_row.fetch_add(band); begin < height; begin = next_row.fetch_add(band)) {
+        work(worker, begin, std::min(begin + band, height));
+      }
+    });
+  }
 
   template <typename T>
   Result<void> check(ImageView<T> view, const char* name) const {
@@ -56,6 +76,28 @@ struct DenseStereo::Impl {
     return {};
   }
 };
+
+void DenseStereo::Impl::match(int worker, ImageView<const std::uint8_t> filtered, ImageView<std::int16_t> out) {
+  StripMatcher& strip = strips[static_cast<std::size_t>(worker)];
+  const bool look_for_speckles = params.speckle_size > 0;
+  if (look_for_speckles) speckles.start(worker);
+  const int step = RowShares::step(worker);
+  const int first = shares->first(worker);
+  for (int y = first; shares->one_more(worker); y += step) {
+    strip.match(kernel, params, pair, filtered, y, step, y == first, out);
+    if (look_for_speckles) speckles.add_row(kernel, worker, out, y);
+  }
+  if (look_for_speckles) speckles.finish(worker);
+}
+
+void DenseStereo::Impl::clean_and_smooth(int worker, int begin, int end, ImageView<std::int16_t> out) {
+  smoothers[static_cast<std::size_t>(worker)].smooth(
+      kernel, matched.cview(), begin, end,
+      [this](int y, std::int16_t* row) {
+        if (params.speckle_size > 0) speckles.clean(y, params.speckle_size, row);
+      },
+      out);
+}
 
 DenseStereo::DenseStereo(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 DenseStereo::DenseStereo(DenseStereo&&) noexcept = default;
@@ -89,11 +131,16 @@ Result<DenseStereo> DenseStereo::make(const StereoParams& params, int width, int
   impl->pair.prepare(width, height);
   // A strip lower than the window would sum more rows to begin with than it then moves through.
   const int useful = std::clamp(height / params.window, 1, params.workers);
+  impl->shares.emplace(useful, height);
   impl->strips.resize(static_cast<std::size_t>(useful));
   for (StripMatcher& strip : impl->strips) strip.prepare(params, width);
+  impl->smoothers.resize(static_cast<std::size_t>(useful));
+  for (Smoother& smoother : impl->smoothers) smoother.prepare(width, params.smoothing);
+  if (params.speckle_size > 0) {
+    impl->speckles.prepare(width, height, params.speckle_range * kDisparityScale, *impl->shares);
+  }
+  if (impl->afterwards()) impl->matched.resize(width, height);
   impl->pool = std::make_unique<WorkerPool>(useful);
-  impl->speckles.prepare(width, height);
-  impl->smoother.prepare(width, params.smoothing);
   return DenseStereo(std::move(impl));
 }
 
@@ -113,19 +160,18 @@ Result<void> DenseStereo::compute(ImageView<const std::uint8_t> left, ImageView<
   if (overlap(out[0], out[1])) {
     return Error{"cannot match", "the output views overlap", "give each image its own memory"};
   }
-  const int workers = s.pool->workers();
-  const auto rows = [&](int worker) { return s.height * worker / workers; };  // first row of a worker's strip
-  s.pool->run([&](int worker) {
-    prefilter_rows(s.kernel, s.params, left, right, rows(worker), rows(worker + 1), filtered_left, s.pair);
+  constexpr int kBand = 16;        // rows; small, so that all end at about the same time
+  constexpr int kSmoothBand = 32;  // the smoother begins anew at each, a few rows early
+  s.share_bands(kBand, [&](int /*worker*/, int begin, int end) {
+    prefilter_rows(s.kernel, s.params, left, right, begin, end, filtered_left, s.pair);
   });
-  s.pool->run([&](int worker) {
-    s.strips[static_cast<std::size_t>(worker)].match(s.kernel, s.params, s.pair, filtered_left, rows(worker),
-                                                     rows(worker + 1), disparity);
-  });
-  if (s.params.speckle_size > 0) {
-    s.speckles.remove(s.kernel, disparity, s.params.speckle_size, s.params.speckle_range * kDisparityScale);
-  }
-  if (s.params.smoothing > 0) s.smoother.smooth(s.kernel, disparity);
+  const ImageView<std::int16_t> matched = s.afterwards() ? s.matched.view() : disparity;
+  s.shares->restart();
+  s.pool->run([&](int worker) { s.match(worker, filtered_left, matched); });
+  if (!s.afterwards()) return {};
+  if (s.params.speckle_size > 0) s.speckles.join_seams(s.kernel, matched);
+  s.share_bands(kSmoothBand,
+                [&](int worker, int begin, int end) { s.clean_and_smooth(worker, begin, end, disparity); });
   return {};
 }
 

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "stereo/smoothing.h"
 
-#include <algorithm>
-
 namespace cliquevo::stereo {
 
 namespace {
@@ -18,29 +16,24 @@ void Smoother::prepare(int width, int radius) {
   lines_.resize(width, 2 * radius + 1);
 }
 
-void Smoother::smooth(const kernels::Table& kernel, ImageView<std::int16_t> disparity) {
+void Smoother::smooth_across(const kernels::Table& kernel, int y) {
   kernels::SmoothRow across{padded_.data() + radius_, {}, 2 * radius_, kDisparityScale, kFiner, 0, 0};
   for (int i = 0; i < radius_; ++i) {
     across.neighbour[2 * i] = across.centre - (i + 1);
     across.neighbour[2 * i + 1] = across.centre + (i + 1);
   }
-  // A row is overwritten once all rows that its column needs have been read.
-  for (int y = 0; y < disparity.height + radius_; ++y) {
-    if (y < disparity.height) {
-      std::copy(disparity.row(y), disparity.row(y) + disparity.width, padded_.data() + radius_);
-      kernel.smooth_row(across, disparity.width, line(y));
-    }
-    const int done = y - radius_;
-    if (done < 0) continue;
-    kernels::SmoothRow down{line(done), {}, 2 * radius_, kDisparityScale * kFiner, 1, kFiner / 2, 2};
-    for (int i = 0; i < radius_; ++i) {
-      const int above = done - (i + 1);
-      const int below = done + (i + 1);
-      down.neighbour[2 * i] = above >= 0 ? line(above) : unknown_.data();
-      down.neighbour[2 * i + 1] = below < disparity.height ? line(below) : unknown_.data();
-    }
-    kernel.smooth_row(down, disparity.width, disparity.row(done));
+  kernel.smooth_row(across, lines_.width(), line(y));
+}
+
+void Smoother::smooth_down(const kernels::Table& kernel, int y, int height, std::int16_t* out) {
+  kernels::SmoothRow down{line(y), {}, 2 * radius_, kDisparityScale * kFiner, 1, kFiner / 2, 2};
+  for (int i = 0; i < radius_; ++i) {
+    const int above = y - (i + 1);
+    const int below = y + (i + 1);
+    down.neighbour[2 * i] = above >= 0 ? line(above) : unknown_.data();
+    down.neighbour[2 * i + 1] = below < height ? line(below) : unknown_.data();
   }
+  kernel.smooth_row(down, lines_.width(), out);
 }
 
 }  // namespace cliquevo::stereo

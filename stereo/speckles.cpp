@@ -6,11 +6,20 @@
 
 namespace cliquevo::stereo {
 
-void SpeckleFilter::prepare(int width, int height) {
+void SpeckleFilter::Bits::prepare(int width) {
+  for (auto* part : {&known, &across, &down}) part->assign((static_cast<std::size_t>(width) + 63) / 64, 0);
+}
+
+void SpeckleFilter::prepare(int width, int height, int range, const RowShares& shares) {
+  range_ = range;
   runs_.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
-  const auto words = (static_cast<std::size_t>(width) + 63) / 64;
-  for (Bits& bits : bits_) {
-    for (auto* part : {&bits.known, &bits.across, &bits.down}) part->assign(words, 0);
+  rows_.resize(static_cast<std::size_t>(height));
+  lanes_.resize(static_cast<std::size_t>(shares.workers()));
+  for (int worker = 0; worker < shares.workers(); ++worker) {
+    Lane& lane = lanes_[static_cast<std::size_t>(worker)];
+    lane.step = RowShares::step(worker);
+    lane.first = lane.step > 0 ? shares.first(worker) * width : (shares.first(worker) + 1) * width - 1;
+    for (Bits& bits : lane.bits) bits.prepare(width);
   }
   unknown_.assign(static_cast<std::size_t>(width), kUnknownDisparity);
 }
@@ -23,12 +32,13 @@ std::int32_t SpeckleFilter::root(std::int32_t i) {
   return i;
 }
 
-void SpeckleFilter::join(std::int32_t a, std::int32_t b) {
+// The root that was numbered first remains one.
+void SpeckleFilter::join(std::int32_t a, std::int32_t b, std::int32_t step) {
   if (runs_[a].parent == runs_[b].parent) return;
   a = root(a);
   b = root(b);
   if (a == b) return;
-  if (b < a) std::swap(a, b);
+  if ((b < a) == (step > 0)) std::swap(a, b);
   runs_[b].parent = a;
   runs_[a].pixels += runs_[b].pixels;
 }
@@ -43,59 +53,96 @@ void each_bit(std::uint64_t bits, std::size_t word, const Body& body) {
 
 }  // namespace
 
-// Appends the runs of row y to `count` earlier ones; the new count.
-std::int32_t SpeckleFilter::find_runs(const Bits& bits, int y, std::int32_t count) {
+void SpeckleFilter::link(const kernels::Table& kernel, ImageView<const std::int16_t> disparity, int y,
+                         const std::int16_t* before, int range, Bits& bits) {
+  kernel.link_row(
+      {disparity.row(y), before, disparity.width, range, bits.known.data(), bits.across.data(), bits.down.data()});
+}
+
+// Numbers the runs of a row from `next` on; the number after them.
+std::int32_t SpeckleFilter::find_runs(const Bits& bits, std::int32_t next, std::int32_t step) {
   const std::size_t words = bits.known.size();
-  std::int32_t ended = count;
+  std::int32_t ended = next;
   for (std::size_t i = 0; i < words; ++i) {
-    const std::uint64_t next = i + 1 < words ? bits.across[i + 1] << 63 : 0;
+    const std::uint64_t right = i + 1 < words ? bits.across[i + 1] << 63 : 0;
     each_bit(bits.known[i] & ~bits.across[i], i, [&](std::int32_t x) {
-      runs_[count] = {x, 0, y, count, 0};
-      ++count;
+      runs_[next] = {next, 0, static_cast<std::int16_t>(x), 0};
+      next += step;
     });
-    each_bit(bits.known[i] & ~(bits.across[i] >> 1 | next), i, [&](std::int32_t x) {
-      Run& run = runs_[ended++];
-      run.end = x + 1;
+    each_bit(bits.known[i] & ~(bits.across[i] >> 1 | right), i, [&](std::int32_t x) {
+      Run& run = runs_[ended];
+      ended += step;
+      run.end = static_cast<std::int16_t>(x + 1);
       run.pixels = run.end - run.begin;
     });
   }
-  return count;
+  return next;
 }
 
-// Runs of the row start at b, those of the row above at a.
-void SpeckleFilter::join_rows(const Bits& row, const Bits& above, std::int32_t a, std::int32_t b) {
-  std::uint64_t before = 0;  // the link left of the word
-  for (std::size_t i = 0; i < row.down.size(); ++i) {
+// Joins the runs of a row, b, with those of the row before, a, to which `row` has its links.
+void SpeckleFilter::join_rows(const Bits& row, const Bits& before, const Row& a, const Row& b) {
+  const std::int32_t step_a = RowShares::step(a.worker);
+  const std::int32_t step_b = RowShares::step(b.worker);
+  std::int32_t i = a.first;
+  std::int32_t j = b.first;
+  std::uint64_t carried = 0;  // the link left of the word
+  for (std::size_t word = 0; word < row.down.size(); ++word) {
     // One link is enough for as long as both runs go on.
-    const std::uint64_t left = row.down[i] << 1 | before;
-    before = row.down[i] >> 63;
-    each_bit(row.down[i] & ~(left & row.across[i] & above.across[i]), i, [&](std::int32_t x) {
-      while (runs_[a].end <= x) ++a;
-      while (runs_[b].end <= x) ++b;
-      join(a, b);
+    const std::uint64_t left = row.down[word] << 1 | carried;
+    carried = row.down[word] >> 63;
+    each_bit(row.down[word] & ~(left & row.across[word] & before.across[word]), word, [&](std::int32_t x) {
+      while (runs_[i].end <= x) i += step_a;
+      while (runs_[j].end <= x) j += step_b;
+      join(i, j, step_b);
     });
   }
 }
 
-void SpeckleFilter::remove(const kernels::Table& kernel, ImageView<std::int16_t> disparity, int size, int range) {
-  std::int32_t count = 0;
-  std::int32_t above = 0;  // first run of the row above
-  for (int y = 0; y < disparity.height; ++y) {
-    Bits& bits = bits_[y & 1];
-    kernel.link_row({disparity.row(y), y > 0 ? disparity.row(y - 1) : unknown_.data(), disparity.width, range,
-                     bits.known.data(), bits.across.data(), bits.down.data()});
-    const std::int32_t first = count;
-    count = find_runs(bits, y, count);
-    if (y > 0) join_rows(bits, bits_[(y - 1) & 1], above, first);
-    above = first;
+void SpeckleFilter::start(int worker) {
+  Lane& lane = lanes_[static_cast<std::size_t>(worker)];
+  lane.next = lane.first;
+  lane.y = -1;
+}
+
+void SpeckleFilter::add_row(const kernels::Table& kernel, int worker, ImageView<const std::int16_t> disparity, int y) {
+  Lane& lane = lanes_[static_cast<std::size_t>(worker)];
+  const bool first = lane.y < 0;
+  Bits& before = lane.bits[lane.turn];
+  lane.turn = 1 - lane.turn;
+  Bits& bits = lane.bits[lane.turn];
+  link(kernel, disparity, y, first ? unknown_.data() : disparity.row(lane.y), range_, bits);
+  Row& row = rows_[static_cast<std::size_t>(y)];
+  row = {lane.next, 0, worker};
+  lane.next = row.end = find_runs(bits, lane.next, lane.step);
+  if (!first) join_rows(bits, before, rows_[static_cast<std::size_t>(lane.y)], row);
+  lane.y = y;
+}
+
+// A run's parent was numbered before it: one step each leads to the roots.
+void SpeckleFilter::finish(int worker) {
+  const Lane& lane = lanes_[static_cast<std::size_t>(worker)];
+  for (std::int32_t i = lane.first; i != lane.next; i += lane.step) runs_[i].parent = runs_[runs_[i].parent].parent;
+}
+
+void SpeckleFilter::join_seams(const kernels::Table& kernel, ImageView<const std::int16_t> disparity) {
+  Bits& before = lanes_[0].bits[0];
+  Bits& bits = lanes_[0].bits[1];
+  for (int y = 1; y < disparity.height; ++y) {
+    const Row& above = rows_[static_cast<std::size_t>(y - 1)];
+    const Row& row = rows_[static_cast<std::size_t>(y)];
+    if (row.worker == above.worker) continue;
+    link(kernel, disparity, y - 1, unknown_.data(), range_, before);
+    link(kernel, disparity, y, disparity.row(y - 1), range_, bits);
+    join_rows(bits, before, above, row);
   }
-  // A run's parent comes before it: one step leads to the root.
-  for (std::int32_t i = 0; i < count; ++i) {
-    Run& run = runs_[i];
-    run.parent = runs_[run.parent].parent;
-    if (runs_[run.parent].pixels >= size) continue;
-    std::int16_t* row = disparity.row(run.y);
-    std::fill(row + run.begin, row + run.end, kUnknownDisparity);
+}
+
+void SpeckleFilter::clean(int y, int size, std::int16_t* row) const {
+  const Row& runs = rows_[static_cast<std::size_t>(y)];
+  for (std::int32_t i = runs.first; i != runs.end; i += RowShares::step(runs.worker)) {
+    std::int32_t root = runs_[i].parent;
+    while (runs_[root].parent != root) root = runs_[root].parent;  // longer than a step only across seams
+    if (runs_[root].pixels < size) std::fill(row + runs_[i].begin, row + runs_[i].end, kUnknownDisparity);
   }
 }
 

@@ -30,6 +30,7 @@ class WorkerPool {
   void start_and_wait();
   void work(int index);
 
+  const bool awake_;  // whether threads wait awake for a moment: not where they would take each other's cores
   void (*call_)(void*, int) = nullptr;
   void* job_ = nullptr;
   std::atomic<unsigned> round_{0};

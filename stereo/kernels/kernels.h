@@ -74,7 +74,7 @@ struct PrefilterRow {
 // a fixed distance apart, so that one address reaches them all.
 struct MatchRow {
   static constexpr int kStride = 16384 + 160;
-  enum { kDisparity, kBest, kBelow, kAbove, kSecond, kBeyond, kFound, kRows = kFound + 2 };
+  enum { kDisparity, kBest, kBelow, kAbove, kSecond, kBeyond, kFound, kOther = kFound + 2, kRows = kOther + 2 };
   std::uint16_t* rows;  // kRows * kStride
 
   // px; kUnknownDisparity where no window fits or the best one ends the range
@@ -86,8 +86,10 @@ struct MatchRow {
   // lowest cost more than 1 px away, 65535 / key_weight() if there is none
   std::uint16_t* second() const { return rows + kSecond * kStride; }
   // scratch of the vector kernels: the cost 2 px away on the side that shares no pair with the best one; key and lane
+  // of the winner and of the best one outside its pairs
   std::uint16_t* beyond() const { return rows + kBeyond * kStride; }
   std::uint32_t* found() const { return reinterpret_cast<std::uint32_t*>(rows + kFound * kStride); }
+  std::uint32_t* other() const { return reinterpret_cast<std::uint32_t*>(rows + kOther * kStride); }
 };
 
 struct MatchJob {
@@ -102,22 +104,26 @@ struct MatchJob {
   int min_disparity;
   int num_disparities;
   int y;                  // the row to match; beyond the image its first or last row is repeated
-  bool first;             // whether `columns` must be built anew; otherwise they are those of row y - 1
+  int step;               // 1: rows are matched downwards, -1: upwards
+  bool first;             // whether `columns` must be built anew; otherwise they are those of row y - step
   bool second;            // whether out.second() is asked for
-  std::uint8_t* columns;  // column sums, column_cells()
+  std::uint8_t* columns;  // column sums and scratch, column_cells()
   std::uint16_t* costs;   // cost_cells()
   MatchRow out;
 };
 
 // The vector kernels go in blocks of pixels, the last of which reaches beyond the row.
 inline constexpr int kMatchBlock = 8;
+// Pixels of a row of the left image, four bytes each.
+constexpr std::size_t spread_cells(int width) { return static_cast<std::size_t>(width + kMatchBlock + 15) / 16 * 16; }
 // Elements of the two scratch buffers; 64-byte aligned.
 constexpr std::size_t column_cells(int width, int num_disparities) {
   return static_cast<std::size_t>(width + kMatchBlock + 1) *
-         static_cast<std::size_t>(padded_disparities(num_disparities));
+             static_cast<std::size_t>(padded_disparities(num_disparities)) +
+         2 * sizeof(std::uint32_t) * spread_cells(width);
 }
 constexpr std::size_t cost_cells(int num_disparities) {
-  return 3 * kMatchBlock * static_cast<std::size_t>(padded_disparities(num_disparities));
+  return 3 * 3 * kMatchBlock / 2 * static_cast<std::size_t>(padded_disparities(num_disparities));
 }
 
 // A row to smooth: each known value moves to the mean of itself and of those neighbours that are at most `reach` away.
@@ -139,7 +145,7 @@ inline constexpr std::int32_t kReciprocals[8] = {0, 32767, 16384, 10923, 8192, 6
 struct CrossCheck {
   MatchRow found;
   int width;
-  std::uint32_t* partner;  // 2 * width: cost << 16 | 65535 - column
+  std::uint32_t* partner;  // scratch, 3 * width: cost << 16 | 65535 - column
   std::int16_t* astray;    // px; anything where nothing was found
 };
 

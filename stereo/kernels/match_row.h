@@ -10,14 +10,23 @@
 
 #define CLIQUEVO_INLINE [[gnu::always_inline]] inline
 
+// All ones in two lanes, to be slid over the pairs.
+struct TwoOut {
+  static constexpr int kCentre = 128;
+  std::uint16_t lanes[2 * kCentre + 32];
+  constexpr TwoOut() : lanes() { lanes[kCentre] = lanes[kCentre + 1] = 0xFFFF; }
+  static constexpr std::uint16_t slid(int pair) { return static_cast<std::uint16_t>(2 * (kCentre - pair)); }  // bytes
+};
+
 // What belongs to the winner of a pixel, by its lane and place. Its neighbours and itself fill two pairs of elements
 // but for one element, the one beyond: the second look takes both pairs out whole and looks at that one alone.
-template <int kBytes, int kPadded>
+// kCovers: it takes them out in memory, not in registers.
+template <int kBytes, int kPadded, bool kCovers>
 struct Winners {
   static constexpr int kWeight = key_weight(kPadded);
   struct Entry {
     std::uint16_t nearer, farther, beyond;  // where their keys lie, bytes
-    std::uint16_t pair;                     // first of the two
+    std::uint16_t pairs;                    // where their smaller keys lie, or TwoOut's lanes for them start, bytes
   };
   Entry at[kWeight * 8];
 
@@ -25,38 +34,37 @@ struct Winners {
     if (e < 0 || e >= kPadded) return 0;  // ends of the range are thrown away later
     return static_cast<std::uint16_t>(2 * (e / kBytes * kBytes + (e & 1) * (kBytes / 2) + e % kBytes / 2));
   }
+  static constexpr std::uint16_t pairs(int e) {
+    const int pair = (e & 1) != 0 || e == 0 ? e / 2 : e / 2 - 1;
+    if (!kCovers) return TwoOut::slid(pair);
+    return static_cast<std::uint16_t>(2 * (kPadded + (pair < kPadded / 2 - 2 ? pair : kPadded / 2 - 2)));
+  }
   constexpr Winners() : at() {
     for (int place = 0; place < kWeight; ++place) {
       for (int lane = 0; lane < 8; ++lane) {
         const int e = (place >> 1) * 16 + 2 * lane + (place & 1);
         const bool is_odd = (e & 1) != 0;
-        at[lane * kWeight + place] = {offset(e - 1), offset(e + 1), offset(is_odd ? e + 2 : e - 2),
-                                      static_cast<std::uint16_t>(is_odd || e == 0 ? e / 2 : e / 2 - 1)};
+        at[lane * kWeight + place] = {offset(e - 1), offset(e + 1), offset(is_odd ? e + 2 : e - 2), pairs(e)};
       }
     }
   }
 };
 
-// All ones in two lanes, to be slid over the pairs.
-struct TwoOut {
-  static constexpr int kCentre = 128;
-  std::uint16_t lanes[2 * kCentre + 32];
-  constexpr TwoOut() : lanes() { lanes[kCentre] = lanes[kCentre + 1] = 0xFFFF; }
-  const std::uint16_t* slid(int pair) const { return lanes + kCentre - pair; }
-};
-
 // Lanes that are all ones at both ends, to be slid over the keys of one parity until those are covered that lie outside
 // the image.
 struct Outside {
-  static constexpr int kMost = 128;
+  static constexpr int kMost = 128 + kMatchBlock;
   std::uint16_t lanes[5 * kMost];
   constexpr Outside() : lanes() {
     for (int i = 0; i < kMost; ++i) lanes[i] = lanes[3 * kMost + i] = lanes[4 * kMost + i] = 0xFFFF;
   }
-  static constexpr int within(int n) { return n < 0 ? 0 : (n > kMost ? kMost : n); }
-  const std::uint16_t* first(int n) const { return lanes + kMost - within(n); }     // covers n keys
-  const std::uint16_t* from(int n) const { return lanes + 3 * kMost - within(n); }  // all but n keys
+  const std::uint16_t* first(int n) const { return lanes + kMost - n; }     // covers n keys; n <= kMost
+  const std::uint16_t* from(int n) const { return lanes + 3 * kMost - n; }  // all but n keys; -kMost <= n <= kMost
 };
+
+// Where in a row windows reach beyond the images for some disparities: nowhere, beyond the left edge of the right one,
+// anywhere.
+enum class Edge { none, left, any };
 
 template <typename V, int kVectors>
 struct RowMatcher {
@@ -67,43 +75,49 @@ struct RowMatcher {
   static constexpr int kWeight = key_weight(kPadded);
   static constexpr int kBlock = kMatchBlock;
   static constexpr int kCells = kPadded + kPadded / 2;  // keys of a pixel, then the smaller of each pair
-  using WinnerTable = Winners<kBytes, kPadded>;
+  // A cover must have reached the cache before the whole row of pairs is read again: it costs a block more of keys, for
+  // which there is room as long as they are small.
+  static constexpr bool kCovers = kPadded <= 64;
+  using WinnerTable = Winners<kBytes, kPadded, kCovers>;
 
   const MatchJob job;
   const int radius = job.window / 2;
   const int last = job.min_disparity + job.num_disparities - 1;
   std::uint8_t* const columns = job.columns + kPadded;  // a column of zeros comes first
-  std::uint16_t* const ring = job.costs;                // keys of two blocks of pixels
+  std::uint16_t* const ring = job.costs;                // keys of three blocks of pixels
+  std::uint32_t* const spread =
+      reinterpret_cast<std::uint32_t*>(job.columns + static_cast<std::ptrdiff_t>(kPadded) * (job.width + kBlock + 1));
 
   // Kept beside the job: stores of costs might change it, for all that the compiler knows.
   std::uint32_t* const found = job.out.found();
   std::uint16_t* const nearer = job.out.above();
   std::uint16_t* const farther = job.out.below();
   std::uint16_t* const beyond = job.out.beyond();
-  std::uint16_t* const second = job.out.second();
+  std::uint32_t* const other = job.out.other();
 
   explicit RowMatcher(const MatchJob& j) : job(j) {}
 
+  using Pixel = typename V::Pixel;  // of the left image, as it is quickest to broadcast
   struct Row {
-    const std::uint8_t* left;
+    const Pixel* left;
     const std::uint8_t* right[2];  // by parity of x, at element 0
   };
-  Row row(int y) const {
+  Row row(int y, std::uint32_t* scratch) const {
     const int clamped = y < 0 ? 0 : (y >= job.height ? job.height - 1 : y);
     const std::ptrdiff_t offset = clamped * job.stride;
-    return {job.left + offset,
+    return {V::spread(job.left + offset, job.width + kBlock, scratch),
             {job.right[channel(job.channels, 0, clamped)] + offset - last,
              job.right[channel(job.channels, 1, clamped)] + offset - last}};
   }
 
-  // The sums of row y - 1, which run() then moves down like any other's.
+  // The sums of the row before, which run() then moves on like any other's.
   void build_columns() const {
     for (int i = -kPadded; i < (job.width + kBlock) * kPadded; i += kBytes) V::store(columns + i, V::zero());
     const int rows = job.window_height / 2;
     for (int j = -rows; j <= rows; ++j) {
-      const Row in = row(job.y - 1 + j);
+      const Row in = row(job.y - job.step + j, spread);
       for (int x = 0; x < job.width + kBlock; ++x) {
-        const Reg pixel = V::broadcast8(in.left + x);
+        const Reg pixel = V::broadcast_pixel(in.left + x);
         const std::uint8_t* right = in.right[x & 1] + x;
         std::uint8_t* column = columns + static_cast<std::ptrdiff_t>(x) * kPadded;
         for (int e = 0; e < kPadded; e += kBytes) {
@@ -122,12 +136,12 @@ struct RowMatcher {
     Reg even, odd;
   };
 
-  // Moves one column down by a row and into the window, and another one out.
-  CLIQUEVO_INLINE static void enter(Sums& sums, const Factors& factors, const std::uint8_t* left_in,
-                                    const std::uint8_t* left_out, const std::uint8_t* right_in,
-                                    const std::uint8_t* right_out, std::uint8_t* column, const std::uint8_t* leaving) {
-    const Reg pixel_in = V::broadcast8(left_in);
-    const Reg pixel_out = V::broadcast8(left_out);
+  // Moves one column on by a row and into the window, and another one out.
+  CLIQUEVO_INLINE static void enter(Sums& sums, const Factors& factors, const Pixel* left_in, const Pixel* left_out,
+                                    const std::uint8_t* right_in, const std::uint8_t* right_out, std::uint8_t* column,
+                                    const std::uint8_t* leaving) {
+    const Reg pixel_in = V::broadcast_pixel(left_in);
+    const Reg pixel_out = V::broadcast_pixel(left_out);
 #pragma GCC unroll 16
     for (int v = 0; v < kVectors; ++v) {
       const Reg added = V::difference(pixel_in, V::load(right_in + v * kBytes));
@@ -138,27 +152,27 @@ struct RowMatcher {
     }
   }
 
-  // Stores the keys of pixel x and finds the smallest one. In a masked pixel only for some elements both windows lie
-  // within their images.
-  template <bool kMasked>
-  CLIQUEVO_INLINE void find_best(int x, Sums sums, std::uint16_t* key) const {
-    if constexpr (kMasked) {
-      static constexpr Outside kOutside;
-      int final = job.num_disparities - 1;
-      const int lowest = x + radius - job.width + 1;
-      if (lowest > job.min_disparity) final -= lowest - job.min_disparity;
-      const int first = last - (x - radius);
-      const std::uint16_t* const low_even = kOutside.first((first + 1) / 2);
-      const std::uint16_t* const low_odd = kOutside.first(first / 2);
-      const std::uint16_t* const high_even = kOutside.from((final + 2) >> 1);
-      const std::uint16_t* const high_odd = kOutside.from((final + 1) >> 1);
-      const auto cover = [](Reg keys, const std::uint16_t* low, const std::uint16_t* high, int v) {
-        return V::either(keys, V::either(V::load(low + v * kKeys), V::load(high + v * kKeys)));
-      };
+  // Stores the keys of pixel x and finds the smallest one. Elements below `low` and above `high` lie outside.
+  template <Edge kEdge>
+  CLIQUEVO_INLINE void find_best(int x, int low, int high, Sums sums, std::uint16_t* key) const {
+    static constexpr Outside kOutside;
+    if constexpr (kEdge != Edge::none) {
+      const std::uint16_t* const low_even = kOutside.first((low + 1) >> 1);
+      const std::uint16_t* const low_odd = kOutside.first(low >> 1);
 #pragma GCC unroll 16
       for (int v = 0; v < kVectors; ++v) {
-        sums.even[v] = cover(sums.even[v], low_even, high_even, v);
-        sums.odd[v] = cover(sums.odd[v], low_odd, high_odd, v);
+        sums.even[v] = V::either(sums.even[v], V::load(low_even + v * kKeys));
+        sums.odd[v] = V::either(sums.odd[v], V::load(low_odd + v * kKeys));
+      }
+    }
+    if constexpr (kEdge == Edge::any) {
+      const int final = high < job.num_disparities ? high : job.num_disparities - 1;
+      const std::uint16_t* const high_even = kOutside.from((final + 2) >> 1);
+      const std::uint16_t* const high_odd = kOutside.from((final + 1) >> 1);
+#pragma GCC unroll 16
+      for (int v = 0; v < kVectors; ++v) {
+        sums.even[v] = V::either(sums.even[v], V::load(high_even + v * kKeys));
+        sums.odd[v] = V::either(sums.odd[v], V::load(high_odd + v * kKeys));
       }
     }
     Reg least{};
@@ -173,47 +187,75 @@ struct RowMatcher {
     found[x] = V::minimum(least);  // key, lane << 16
   }
 
-  // The second look, a block later: the neighbours of each winner and the smallest of the other keys. It waits for the
-  // winner's place, which would hold up the search if it came at once.
-  CLIQUEVO_INLINE void look_again(int x, const std::uint16_t* key) const {
+  // A block later, when the winners' places no longer have to be waited for: their neighbours, and the second look, or
+  // the covers for it.
+  template <bool kSecond>
+  CLIQUEVO_INLINE void settle(int x, std::uint16_t* keys) const {
     static constexpr WinnerTable kWinners;
-    static constexpr TwoOut kTwoOut;
-    for (int i = 0; i < kBlock; ++i, key += kCells) {
-      const std::uint32_t won = found[x + i];
-      const auto& winner = kWinners.at[(won >> 16) * kWeight + (won & (kWeight - 1))];
-      const auto at = [key](std::uint16_t offset) {
-        return *reinterpret_cast<const std::uint16_t*>(reinterpret_cast<const char*>(key) + offset);
-      };
-      nearer[x + i] = at(winner.nearer);
-      farther[x + i] = at(winner.farther);
-      if (!job.second) continue;
-      beyond[x + i] = at(winner.beyond);
-      const std::uint16_t* two = kTwoOut.slid(winner.pair);
-      Reg least{};
+    [[maybe_unused]] static constexpr TwoOut kTwoOut;
+    const std::uint32_t* const won = found + x;
+    unsigned place[kBlock];
+    for (int i = 0; i < kBlock; ++i) place[i] = (won[i] >> 16) * kWeight + (won[i] & (kWeight - 1));
+    char* key = reinterpret_cast<char*>(keys);
+    std::uint16_t* const near = nearer + x;
+    std::uint16_t* const far = farther + x;
+    std::uint16_t* const next = beyond + x;
+    [[maybe_unused]] std::uint32_t* const least_other = other + x;
+#pragma GCC unroll 2
+    for (int i = 0; i < kBlock; ++i, key += sizeof(std::uint16_t) * kCells) {
+      const auto& winner = kWinners.at[place[i]];
+      const auto at = [key](std::uint16_t offset) { return *reinterpret_cast<const std::uint16_t*>(key + offset); };
+      near[i] = at(winner.nearer);
+      far[i] = at(winner.farther);
+      if constexpr (kSecond) {
+        next[i] = at(winner.beyond);
+        if constexpr (kCovers) {
+          __builtin_memset(key + winner.pairs, 0xFF, 2 * sizeof(std::uint16_t));
+        } else {
+          const char* const two = reinterpret_cast<const char*>(kTwoOut.lanes) + winner.pairs;
+          Reg least{};
 #pragma GCC unroll 16
-      for (int v = 0; v < kVectors; ++v) {
-        const Reg others = V::either(V::load(key + kPadded + v * kKeys), V::load(two + v * kKeys));
-        least = v == 0 ? others : V::min16(least, others);
+          for (int v = 0; v < kVectors; ++v) {
+            const Reg others = V::either(V::load(key + 2 * kPadded + v * kBytes), V::load(two + v * kBytes));
+            least = v == 0 ? others : V::min16(least, others);
+          }
+          least_other[i] = V::minimum(least);
+        }
       }
-      second[x + i] = static_cast<std::uint16_t>(V::minimum(least));
     }
   }
 
-  template <bool kMasked>
+  // The second look, another block later, when the covers have reached the cache: the smallest of the other keys.
+  CLIQUEVO_INLINE void look_again(int x, const std::uint16_t* key) const {
+    std::uint32_t* const least_other = other + x;
+#pragma GCC unroll 4
+    for (int i = 0; i < kBlock; ++i, key += kCells) {
+      Reg least = V::load(key + kPadded);
+#pragma GCC unroll 16
+      for (int v = 1; v < kVectors; ++v) least = V::min16(least, V::load(key + kPadded + v * kKeys));
+      least_other[i] = V::minimum(least);
+    }
+  }
+
+  template <Edge kEdge>
   CLIQUEVO_INLINE void match_block(int x, const Row& in, const Row& out, Sums& sums, const Factors& factors,
                                    std::uint16_t* keys) const {
-    const std::uint8_t* left_in = in.left + x + radius;
-    const std::uint8_t* left_out = out.left + x + radius;
+    const Pixel* left_in = in.left + x + radius;
+    const Pixel* left_out = out.left + x + radius;
     const std::uint8_t* right_in[2] = {in.right[0] + x + radius, in.right[1] + x + radius};
     const std::uint8_t* right_out[2] = {out.right[0] + x + radius, out.right[1] + x + radius};
     std::uint8_t* column = columns + static_cast<std::ptrdiff_t>(x + radius) * kPadded;
     const std::uint8_t* leaving = columns + static_cast<std::ptrdiff_t>(x - radius - 1) * kPadded;
+    // Clamped for all of the block; what is below 0 covers nothing.
+    int low = last + radius - x;
+    low = low < 0 ? 0 : (low > 2 * Outside::kMost ? 2 * Outside::kMost : low);
+    const int high = job.width - 1 - radius - x + job.num_disparities - 1 + job.min_disparity;
     for (int i = 0; i < kBlock; i += 2) {
       enter(sums, factors, left_in + i, left_out + i, right_in[0] + i, right_out[0] + i, column, leaving);
-      find_best<kMasked>(x + i, sums, keys);
+      find_best<kEdge>(x + i, low - i, high - i, sums, keys);
       enter(sums, factors, left_in + i + 1, left_out + i + 1, right_in[1] + i + 1, right_out[1] + i + 1,
             column + kPadded, leaving + kPadded);
-      find_best<kMasked>(x + i + 1, sums, keys + kCells);
+      find_best<kEdge>(x + i + 1, low - i - 1, high - i - 1, sums, keys + kCells);
       column += 2 * kPadded;
       leaving += 2 * kPadded;
       keys += 2 * kCells;
@@ -222,8 +264,13 @@ struct RowMatcher {
 
   void run() const {
     if (job.first) build_columns();
-    const Row in = row(job.y + job.window_height / 2);
-    const Row out = row(job.y - job.window_height / 2 - 1);
+    job.second ? match_row<true>() : match_row<false>();
+  }
+
+  template <bool kSecond>
+  void match_row() const {
+    const Row in = row(job.y + job.step * (job.window_height / 2), spread);
+    const Row out = row(job.y - job.step * (job.window_height / 2 + 1), spread + spread_cells(job.width));
     const Factors factors{V::factor_even(kWeight), V::factor_odd(kWeight)};
     Sums sums;
     for (int v = 0; v < kVectors; ++v) {
@@ -234,33 +281,42 @@ struct RowMatcher {
       enter(sums, factors, in.left + x, out.left + x, in.right[x & 1] + x, out.right[x & 1] + x,
             columns + static_cast<std::ptrdiff_t>(x) * kPadded, columns - kPadded);
     }
-    // Blocks of pixels, the last one reaching beyond the row; its first column is always an even one. Where every
-    // disparity can be seen no masks are needed.
+    // Blocks of pixels, the last one reaching beyond the row. Where every disparity can be seen no masks are needed.
     const int begin = radius;
     const int end = job.width - radius;
-    const int all_begin = job.num_disparities == kPadded ? last + radius : end;
+    const bool full = job.num_disparities == kPadded;
+    const int all_begin = last + radius;
     const int all_end = end + (job.min_disparity < 0 ? job.min_disparity : 0);
     std::uint16_t* keys = ring;
     std::uint16_t* earlier = ring + kBlock * kCells;
-    for (int x = begin; x < end; x += kBlock) {
-      if (x >= all_begin && x + kBlock <= all_end) {
-        match_block<false>(x, in, out, sums, factors, keys);
-      } else {
-        match_block<true>(x, in, out, sums, factors, keys);
+    std::uint16_t* earliest = ring + 2 * kBlock * kCells;
+    constexpr bool kLater = kSecond && kCovers;
+    for (int x = begin; x < end + (kLater ? 2 : 1) * kBlock; x += kBlock) {
+      if (full && x >= all_begin && x + kBlock <= all_end) {
+        match_block<Edge::none>(x, in, out, sums, factors, keys);
+      } else if (full && x + kBlock <= all_end) {
+        match_block<Edge::left>(x, in, out, sums, factors, keys);
+      } else if (x < end) {
+        match_block<Edge::any>(x, in, out, sums, factors, keys);
       }
-      if (x > begin) look_again(x - kBlock, earlier);
-      std::uint16_t* const swapped = keys;
-      keys = earlier;
-      earlier = swapped;
+      if (x > begin && x < end + kBlock) settle<kSecond>(x - kBlock, earlier);
+      if constexpr (kLater) {
+        if (x > begin + kBlock) look_again(x - 2 * kBlock, earliest);
+      }
+      std::uint16_t* const free = kLater ? earliest : earlier;
+      earliest = earlier;
+      earlier = keys;
+      keys = free;
     }
-    look_again(begin + (end - begin - 1) / kBlock * kBlock, earlier);
-    decode(begin, end);
+    decode<kSecond>(begin, end);
   }
 
   // Keys to costs, winners to disparities.
+  template <bool kSecond>
   void decode(int begin, int end) const {
     std::int16_t* const disparity = job.out.disparity();
     std::uint16_t* const best = job.out.best();
+    std::uint16_t* const second = job.out.second();
     constexpr int kShift = __builtin_ctz(static_cast<unsigned>(kWeight));
     for (int x = 0; x < begin; ++x) disparity[x] = kUnknownDisparity;
     for (int x = end; x < job.width; ++x) disparity[x] = kUnknownDisparity;
@@ -284,7 +340,16 @@ struct RowMatcher {
       best[x] = static_cast<std::uint16_t>(key >> kShift);
       farther[x] = static_cast<std::uint16_t>(farther[x] >> kShift);
       nearer[x] = static_cast<std::uint16_t>(nearer[x] >> kShift);
-      second[x] = static_cast<std::uint16_t>((second[x] < beyond[x] ? second[x] : beyond[x]) >> kShift);
+    }
+    if constexpr (!kSecond) return;
+#if defined(__clang__)
+#pragma clang loop vectorize(assume_safety)
+#else
+#pragma GCC ivdep
+#endif
+    for (int x = begin; x < end; ++x) {
+      const std::uint16_t others = static_cast<std::uint16_t>(other[x]);
+      second[x] = static_cast<std::uint16_t>((others < beyond[x] ? others : beyond[x]) >> kShift);
     }
   }
 };

@@ -19,7 +19,9 @@ struct Neon {
   static Reg zero() { return vdupq_n_u8(0); }
   static Reg load(const void* p) { return vld1q_u8(static_cast<const std::uint8_t*>(p)); }
   static void store(void* p, Reg v) { vst1q_u8(static_cast<std::uint8_t*>(p), v); }
-  static Reg broadcast8(const std::uint8_t* p) { return vld1q_dup_u8(p); }
+  using Pixel = std::uint8_t;
+  static Reg broadcast_pixel(const Pixel* p) { return vld1q_dup_u8(p); }
+  static const Pixel* spread(const std::uint8_t* row, int /*n*/, std::uint32_t* /*out*/) { return row; }
   static Reg add8(Reg a, Reg b) { return vaddq_u8(a, b); }
   static Reg sub8(Reg a, Reg b) { return vsubq_u8(a, b); }
   static Reg difference(Reg a, Reg b) { return vabdq_u8(a, b); }

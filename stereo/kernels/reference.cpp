@@ -78,7 +78,7 @@ void match_row(const MatchJob& job) {
   const int rows = job.window_height / 2;
   const int n = job.num_disparities;
   const int last = job.min_disparity + n - 1;
-  // Column sums, [x][d]: built from all rows of the window, or moved down by one row.
+  // Column sums, [x][d]: built from all rows of the window, or moved on by one row.
   for (int x = 0; x < job.width; ++x) {
     for (int i = 0; i < n; ++i) {
       const int d = job.min_disparity + i;
@@ -87,8 +87,8 @@ void match_row(const MatchJob& job) {
         sum = 0;
         for (int j = -rows; j <= rows; ++j) sum = static_cast<std::uint8_t>(sum + difference(job, x, job.y + j, d));
       } else {
-        sum = static_cast<std::uint8_t>(sum + difference(job, x, job.y + rows, d) -
-                                        difference(job, x, job.y - rows - 1, d));
+        sum = static_cast<std::uint8_t>(sum + difference(job, x, job.y + job.step * rows, d) -
+                                        difference(job, x, job.y - job.step * (rows + 1), d));
       }
     }
   }

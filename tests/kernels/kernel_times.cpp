@@ -81,7 +81,7 @@ struct Bench {
     for (auto& b : bytes) b.resize(n);
     texture_columns.assign(n, 300);
     texture.assign(n, 4000);
-    partner.resize(2 * n);
+    partner.resize(3 * n);
     astray.resize(n);
     out.resize(n);
     for (auto& row : disparity) {
@@ -116,6 +116,7 @@ struct Bench {
     job.columns = columns.view().data;
     job.costs = costs.view().data;
     job.out.rows = found.data();
+    job.step = 1;
     job.y = 10;
     job.first = true;
     kernel.match_row(job);

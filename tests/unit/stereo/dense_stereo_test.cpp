@@ -2,6 +2,7 @@
 #include "stereo/dense_stereo.h"
 
 #include <cmath>
+#include <numeric>
 #include <random>
 #include <vector>
 
@@ -217,9 +218,33 @@ TEST(Speckles, EqualAPlainFloodFill) {
       }
     }
     b.copy_from(a.view());
+    // Any number of workers, however the rows happen to fall to them.
+    const int workers = 1 + static_cast<int>(random() % 6);
+    RowShares shares(workers, h);
+    shares.restart();
     SpeckleFilter filter;
-    filter.prepare(w, h);
-    filter.remove(kernels::active(), a.view(), 12, 16);
+    filter.prepare(w, h, 16, shares);
+    for (int i = 0; i < workers; ++i) filter.start(i);
+    std::vector<int> next;
+    for (int i = 0; i < workers; ++i) next.push_back(shares.first(i));
+    std::vector<int> busy(static_cast<std::size_t>(workers));
+    std::iota(busy.begin(), busy.end(), 0);
+    int added = 0;
+    while (!busy.empty()) {
+      const std::size_t turn = random() % 3 == 0 ? random() % busy.size() : 0;
+      const int worker = busy[turn];
+      if (!shares.one_more(worker)) {
+        filter.finish(worker);
+        busy.erase(busy.begin() + static_cast<std::ptrdiff_t>(turn));
+        continue;
+      }
+      filter.add_row(kernels::active(), worker, a.view(), next[static_cast<std::size_t>(worker)]);
+      next[static_cast<std::size_t>(worker)] += RowShares::step(worker);
+      ++added;
+    }
+    ASSERT_EQ(added, h);
+    filter.join_seams(kernels::active(), a.view());
+    for (int y = 0; y < h; ++y) filter.clean(y, 12, a.view().row(y));
     flood_speckles(b.view(), 12, 16);
     for (int y = 0; y < h; ++y) {
       for (int x = 0; x < w; ++x) ASSERT_EQ(a.view()(x, y), b.view()(x, y)) << round << ": " << x << "," << y;
