@@ -47,6 +47,8 @@ class FrameSource {
   virtual void interrupt() {}
   // Any thread: one line on how a live source gets on ("left eye lost: reconnecting"); empty = nothing to tell.
   virtual std::string status() const { return ""; }
+  // Any thread: one line on how deep a live source's queues have been; empty = it has none.
+  virtual std::string queues() const { return ""; }
 };
 
 }  // namespace cliquevo::drivers

@@ -66,12 +66,17 @@ void LivePairs::make_ready(const Ready& pair) {
     ++overrun_;
   }
   ready_.push_back(pair);
+  most_ready_ = std::max(most_ready_, ready_.size());
 }
 
 void LivePairs::take_outcome() {
   for (const SyncReleased& released : outcome_.released) give_back(released.eye, released.token);
   for (const SyncPair& pair : outcome_.pairs) {
     make_ready({pair.left, pair.right, pair.stamp_ns, pair.skew_ns, store(Eye::left).frames[pair.left].arrival_utc_ns});
+  }
+  for (const Eye eye : {Eye::left, Eye::right}) {
+    std::int64_t& most = most_waiting_[static_cast<std::size_t>(eye)];
+    most = std::max(most, sync_.waiting(eye));
   }
   if (!outcome_.pairs.empty()) changed_.notify_all();
   outcome_.clear();
@@ -163,6 +168,14 @@ std::string LivePairs::status() const {
   add("uncertain", left.uncertain, right.uncertain);
   if (overrun_ > 0) out += ", overrun " + std::to_string(overrun_);
   return out;
+}
+
+std::string LivePairs::queues() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::string out = "pairs ready up to " + std::to_string(most_ready_) + " of " + std::to_string(kMostReady);
+  if (one_camera_) return out;
+  return "frames waiting for their partner up to " + std::to_string(most_waiting_[0]) + "/" +
+         std::to_string(most_waiting_[1]) + ", " + out;
 }
 
 std::int64_t LivePairs::incomplete(Eye eye) const {

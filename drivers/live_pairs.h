@@ -54,6 +54,8 @@ class LivePairs {
   void interrupt();
 
   std::string status() const;
+  // How deep its queues have been: frames that wait for their partner, and pairs for who takes them.
+  std::string queues() const;
   std::int64_t incomplete(Eye eye) const;
   SyncCounts sync_counts(Eye eye) const;
   std::int64_t overrun() const;
@@ -92,6 +94,8 @@ class LivePairs {
   HostClock clock_;
   std::string states_[2];
   std::int64_t incomplete_[2] = {0, 0};
+  std::int64_t most_waiting_[2] = {0, 0};
+  std::size_t most_ready_ = 0;
   std::int64_t overrun_ = 0;  // pairs that nobody took in time
   std::int64_t index_ = 0;
   TimestampNs last_stamp_ns_ = 0;

@@ -20,6 +20,7 @@ class PairsSource final : public FrameSource {
   Result<bool> next(StereoPair& pair) override { return pairs_->next(pair); }
   void interrupt() override { pairs_->interrupt(); }
   std::string status() const override { return pairs_->status(); }
+  std::string queues() const override { return pairs_->queues(); }
 
  private:
   SourceInfo info_;

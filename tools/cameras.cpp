@@ -121,9 +121,9 @@ bool stream_once(const daemon::SourceConfig& config, double seconds, int number)
   const CameraRun::Verdict verdict = run.judge();
   fmt::print(
       "start {}: {} pairs, {:.3f} Hz, {} skipped, jitter up to {:.3f} periods, eyes up to {:.3f} periods apart, "
-      "arrival up to {:.1f} ms after the exposure\n  {}\n{}",
+      "arrival up to {:.1f} ms after the exposure\n  {}\n  {}\n{}",
       number, run.pairs(), verdict.rate_hz, verdict.skipped, verdict.most_jitter, verdict.most_skew,
-      verdict.most_delay_ms, (*source)->status(), run.histograms());
+      verdict.most_delay_ms, (*source)->status(), (*source)->queues(), run.histograms());
   for (const std::string& complaint : verdict.complaints) fmt::print("  FAIL {}\n", complaint);
   std::fflush(stdout);
   return verdict.complaints.empty();

@@ -107,6 +107,14 @@ std::vector<std::uint8_t> action_command(std::uint16_t request_id) {
   return out;
 }
 
+// Frames behind an incomplete one wait as long as it is hoped for; their arrivals must not scatter by that.
+StreamRequest stream_request(const CameraOptions& options) {
+  const auto hope_us = static_cast<unsigned>(std::clamp(kHopePeriods * 1e6 / options.rate_hz, 3'000.0, 100'000.0));
+  return {hope_us / 2, hope_us, options.packet_resend};
+}
+
+const char* ptp_feature(bool has_present_name) { return has_present_name ? "PtpEnable" : "GevIEEE1588"; }
+
 void hurry_this_thread() {
   if (arv_make_thread_realtime(kPriority) == 0) arv_make_thread_high_priority(kNice);
 }
@@ -237,7 +245,7 @@ Result<void> AravisCamera::set_up(const CameraOptions& options, bool follows) {
     if (error.failed()) return refused("the gain", error.text());
   }
   if (options.ptp) {
-    const char* feature = has_feature(camera, "PtpEnable") ? "PtpEnable" : "GevIEEE1588";
+    const char* feature = ptp_feature(has_feature(camera, ptp_feature(true)));
     if (!has_feature(camera, feature)) return refused("PTP", "it does not offer it: set ptp to false");
     arv_camera_set_boolean(camera, feature, TRUE, error.out());
     if (error.failed()) return refused("PTP", error.text());
@@ -261,12 +269,11 @@ Result<void> AravisCamera::open_stream(const CameraOptions& options) {
   stream_.reset(arv_camera_create_stream(camera_.get(), on_event, nullptr, error.out()));
   if (!stream_) return refused("to stream", error.text());
   if (ARV_IS_GV_STREAM(stream_.get())) {
-    // Frames behind an incomplete one wait as long as it is hoped for; their arrivals must not scatter by that.
-    const auto hope_us = static_cast<guint>(std::clamp(kHopePeriods * 1e6 / options.rate_hz, 3'000.0, 100'000.0));
-    g_object_set(stream_.get(), "frame-retention", hope_us, "packet-timeout", hope_us / 2, "socket-buffer",
-                 ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size", kSocketBuffer, "packet-resend",
-                 options.packet_resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER,
-                 nullptr);
+    const StreamRequest request = stream_request(options);
+    g_object_set(stream_.get(), "frame-retention", request.frame_retention_us, "packet-timeout",
+                 request.packet_timeout_us, "socket-buffer", ARV_GV_STREAM_SOCKET_BUFFER_FIXED, "socket-buffer-size",
+                 kSocketBuffer, "packet-resend",
+                 request.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER, nullptr);
   }
   const auto payload = static_cast<std::size_t>(arv_camera_get_payload(camera_.get(), error.out()));
   if (error.failed()) return refused("to tell its frames' size", error.text());

@@ -75,6 +75,16 @@ struct FeatureSetting {
   bool operator==(const FeatureSetting&) const = default;
 };
 std::vector<FeatureSetting> trigger_settings(const CameraOptions& options);
+// What is asked of the stream and of the clock.
+struct StreamRequest {
+  unsigned packet_timeout_us = 0;  // without a packet until one is asked for again
+  unsigned frame_retention_us = 0;
+  bool resend = false;
+  bool operator==(const StreamRequest&) const = default;
+};
+StreamRequest stream_request(const CameraOptions& options);
+// The feature that turns PTP on: the standard's present name where the camera has it, or the older one.
+const char* ptp_feature(bool has_present_name);
 // The packet that triggers all cameras which listen to these keys (GVCP ACTION_CMD).
 std::vector<std::uint8_t> action_command(std::uint16_t request_id);
 

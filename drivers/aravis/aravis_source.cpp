@@ -78,6 +78,7 @@ class AravisPair final : public FrameSource {
     pairs_.interrupt();
   }
   std::string status() const override { return pairs_.status(); }
+  std::string queues() const override { return pairs_.queues(); }
 
  private:
   void run(Eye eye) {

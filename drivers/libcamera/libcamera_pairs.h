@@ -25,6 +25,7 @@ class LibcameraPairs {
   bool next(StereoPair& pair) { return pairs_->next(pair); }
   void interrupt() { pairs_->interrupt(); }
   std::string status() const { return pairs_->status(); }
+  std::string queues() const { return pairs_->queues(); }
 
  private:
   explicit LibcameraPairs(const CameraOptions& options) : options_(options) {}

@@ -30,6 +30,7 @@ class V4l2Pairs {
   bool next(StereoPair& pair) { return pairs_.next(pair); }
   void interrupt();
   std::string status() const { return pairs_.status(); }
+  std::string queues() const { return pairs_.queues(); }
 
  private:
   V4l2Pairs(const CameraOptions& options, const PairSyncOptions& sync, std::vector<V4l2Camera> cameras, int width,

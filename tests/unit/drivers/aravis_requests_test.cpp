@@ -34,5 +34,22 @@ TEST(AravisRequests, AnActionCommandIsTheStandardsPacket) {
   EXPECT_EQ(packet, wanted);
 }
 
+TEST(AravisRequests, LostPacketsAreAskedForAgainWithinAQuarterPeriodWhereThatIsWanted) {
+  CameraOptions options;
+  options.rate_hz = 20.0;
+  options.packet_resend = true;
+  EXPECT_EQ(stream_request(options), (StreamRequest{6'250, 12'500, true}));
+  options.packet_resend = false;
+  options.rate_hz = 1.0;
+  EXPECT_EQ(stream_request(options), (StreamRequest{50'000, 100'000, false})) << "but never for long";
+  options.rate_hz = 500.0;
+  EXPECT_EQ(stream_request(options).frame_retention_us, 3'000U) << "nor shorter than packets take";
+}
+
+TEST(AravisRequests, PtpIsTurnedOnByEitherNameOfTheFeature) {
+  EXPECT_STREQ(ptp_feature(true), "PtpEnable");
+  EXPECT_STREQ(ptp_feature(false), "GevIEEE1588");
+}
+
 }  // namespace
 }  // namespace cliquevo::drivers

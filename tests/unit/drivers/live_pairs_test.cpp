@@ -51,6 +51,13 @@ TEST(LivePairs, WhoTakesPairsTooSlowlyGetsTheNewestAndALossThatIsCounted) {
   EXPECT_EQ(pairs.overrun(), 46);
 }
 
+TEST(LivePairs, TellsHowDeepItsQueuesHaveBeen) {
+  LivePairs pairs = make(true);
+  EXPECT_EQ(pairs.queues(), "frames waiting for their partner up to 0/0, pairs ready up to 0 of 4");
+  for (std::int64_t k = 0; k < 3; ++k) push(pairs, k, 0);
+  EXPECT_EQ(pairs.queues(), "frames waiting for their partner up to 1/0, pairs ready up to 3 of 4");
+}
+
 TEST(LivePairs, FramesOfAnotherSizeAreIncompleteAndAnEyeAloneGivesNothing) {
   LivePairs pairs = make(true);
   Image<std::uint8_t> small(32, 48);
