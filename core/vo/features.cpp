@@ -16,7 +16,8 @@ constexpr int kMaxCorners = 20000;
 
 }  // namespace
 
-FeatureDetector::FeatureDetector(const StereoModel& model, const VoParams& params) : model_(model), params_(params) {
+FeatureDetector::FeatureDetector(const StereoModel& model, const VoParams& params)
+    : model_(model), params_(params), likely_threshold_(params.corner_threshold) {
   corners_.reserve(kMaxCorners);
   keep_.reserve(kMaxCorners);
   row_begin_.resize(static_cast<std::size_t>(model.height) + 1);
@@ -29,15 +30,51 @@ FeatureDetector::FeatureDetector(const StereoModel& model, const VoParams& param
 void FeatureDetector::detect(ImageView<const std::uint8_t> image, ImageView<const std::int16_t> disparity,
                              ImageView<const std::uint8_t> mask, double disparity_offset_px,
                              std::vector<Feature>& features) {
-  // Halve the threshold until there is enough to choose from: dark and blurred pictures need less contrast.
-  int threshold = params_.corner_threshold;
-  for (;;) {
-    find_corners(image, threshold);
-    suppress_non_maxima();
-    spread(disparity, mask, disparity_offset_px, features);
-    if (static_cast<int>(features.size()) >= params_.max_features || threshold <= params_.min_corner_threshold) break;
-    threshold = std::max(params_.min_corner_threshold, threshold / 2);
+  // Halve the threshold until there is enough to choose from: dark and blurred pictures need less contrast. A corner's
+  // score does not depend on the threshold, nor does which of two neighbours is the better one: where the last
+  // picture's threshold is looked at first, all higher ones are told from the scores.
+  int lowest = likely_threshold_;
+  find_corners(image, lowest);
+  if (corners_.size() == kMaxCorners) {
+    lowest = params_.corner_threshold;
+    find_corners(image, lowest);
   }
+  for (;;) {
+    suppress_non_maxima();
+    count_usable(disparity, mask, disparity_offset_px);
+    int threshold = params_.corner_threshold;
+    while (threshold > lowest && usable_[static_cast<std::size_t>(threshold)] < params_.max_features) {
+      threshold = next_threshold(threshold);
+    }
+    likely_threshold_ = threshold;
+    if (usable_[static_cast<std::size_t>(threshold)] >= params_.max_features ||
+        threshold <= params_.min_corner_threshold) {
+      spread(disparity, threshold, features);
+      return;
+    }
+    lowest = next_threshold(threshold);
+    find_corners(image, lowest);
+  }
+}
+
+int FeatureDetector::next_threshold(int threshold) const {
+  return std::max(params_.min_corner_threshold, threshold / 2);
+}
+
+// Drops corners that cannot be used; how many of the others there are at each threshold.
+void FeatureDetector::count_usable(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask,
+                                   double disparity_offset_px) {
+  usable_.fill(0);
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const Corner& c = corners_[i];
+    if (keep_[i] == 0) continue;
+    const std::int16_t d = disparity(c.x, c.y);
+    keep_[i] = d != kUnknownDisparity &&
+               d / static_cast<double>(kDisparityScale) + model_.doffs_px > disparity_offset_px &&
+               (mask.empty() || mask(c.x, c.y) != 0);
+    usable_[static_cast<std::size_t>(c.score)] += keep_[i];
+  }
+  for (std::size_t score = usable_.size() - 1; score > 0; --score) usable_[score - 1] += usable_[score];
 }
 
 void FeatureDetector::find_corners(ImageView<const std::uint8_t> image, int threshold) {
@@ -82,17 +119,12 @@ void FeatureDetector::suppress_non_maxima() {
 }
 
 // Takes the best corner of each cell, then each cell's second best, and so on, until there are enough.
-void FeatureDetector::spread(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask,
-                             double disparity_offset_px, std::vector<Feature>& features) {
+void FeatureDetector::spread(ImageView<const std::int16_t> disparity, int threshold, std::vector<Feature>& features) {
   for (auto& cell : cells_) cell.clear();
   const int across = (model_.width + params_.cell_px - 1) / params_.cell_px;
   for (std::size_t i = 0; i < corners_.size(); ++i) {
     const Corner& c = corners_[i];
-    if (keep_[i] == 0) continue;
-    const std::int16_t d = disparity(c.x, c.y);
-    if (d == kUnknownDisparity || d / static_cast<double>(kDisparityScale) + model_.doffs_px <= disparity_offset_px)
-      continue;
-    if (!mask.empty() && mask(c.x, c.y) == 0) continue;
+    if (keep_[i] == 0 || c.score < threshold) continue;
     auto& cell = cells_[static_cast<std::size_t>(c.y / params_.cell_px) * static_cast<std::size_t>(across) +
                         static_cast<std::size_t>(c.x / params_.cell_px)];
     if (cell.size() < cell.capacity()) cell.push_back(c);

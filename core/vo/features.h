@@ -2,6 +2,7 @@
 // Step A2: corners with depth, spread over the image.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -43,14 +44,18 @@ class FeatureDetector {
   };
   void find_corners(ImageView<const std::uint8_t> image, int threshold);
   void suppress_non_maxima();
-  void spread(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask, double disparity_offset_px,
-              std::vector<Feature>& features);
+  int next_threshold(int threshold) const;
+  void count_usable(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask,
+                    double disparity_offset_px);
+  void spread(ImageView<const std::int16_t> disparity, int threshold, std::vector<Feature>& features);
 
   StereoModel model_;
   VoParams params_;
   std::vector<Corner> corners_;
   std::vector<int> row_begin_;  // first corner of each row
   std::vector<std::uint8_t> keep_;
+  std::array<int, 256> usable_{};  // corners of each score or a higher one
+  int likely_threshold_;           // the last picture's; only the time it takes depends on it
   std::vector<std::vector<Corner>> cells_;
 };
 

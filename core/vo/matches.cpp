@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/vo/matches.h"
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 
@@ -47,29 +48,15 @@ void Matcher::match(const Descriptors& a, const Descriptors& b, std::vector<Matc
   scores_ns_ = monotonic_ns() - start_ns;
 
   matches.clear();
-  for (int j = 0; j < b.count(); ++j) {
-    column_score_[static_cast<std::size_t>(j)] = std::numeric_limits<std::uint16_t>::max();
-    column_best_[static_cast<std::size_t>(j)] = -1;
+  std::fill(column_score_.begin(), column_score_.end(), std::numeric_limits<std::uint16_t>::max());
+  std::fill(column_best_.begin(), column_best_.end(), std::int16_t{-1});
+  for (int i = 0; i < a.count() && b.count() > 0; ++i) {
+    row_best_[static_cast<std::size_t>(i)] =
+        k.row_minimum(scores_.view().row(i), b.count(), i, column_score_.data(), column_best_.data());
   }
-  for (int i = 0; i < a.count(); ++i) {
-    const std::uint16_t* row = scores_.view().row(i);
-    int best = -1;
-    int best_score = std::numeric_limits<int>::max();
-    for (int j = 0; j < b.count(); ++j) {
-      if (row[j] < best_score) {
-        best_score = row[j];
-        best = j;
-      }
-      if (row[j] < column_score_[static_cast<std::size_t>(j)]) {
-        column_score_[static_cast<std::size_t>(j)] = row[j];
-        column_best_[static_cast<std::size_t>(j)] = i;
-      }
-    }
-    row_best_[static_cast<std::size_t>(i)] = best;
-  }
-  for (int i = 0; i < a.count(); ++i) {
+  for (int i = 0; i < a.count() && b.count() > 0; ++i) {
     const int j = row_best_[static_cast<std::size_t>(i)];
-    if (j >= 0 && column_best_[static_cast<std::size_t>(j)] == i) matches.push_back({i, j, scores_.view()(j, i)});
+    if (column_best_[static_cast<std::size_t>(j)] == i) matches.push_back({i, j, scores_.view()(j, i)});
   }
   minima_ns_ = monotonic_ns() - start_ns - scores_ns_;
 }

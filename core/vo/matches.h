@@ -46,7 +46,7 @@ class Matcher {
  private:
   Image<std::uint16_t> scores_;
   std::vector<int> row_best_;
-  std::vector<int> column_best_;
+  std::vector<std::int16_t> column_best_;
   std::vector<std::uint16_t> column_score_;
   std::int64_t scores_ns_ = 0;
   std::int64_t minima_ns_ = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 
 namespace cliquevo::vo {
 
@@ -48,38 +49,56 @@ bool inside(ImageView<const std::uint8_t> image, const PatchPlace& p, int reach)
 
 }  // namespace
 
+namespace {
+
+// What sampling gives at whole pixels: themselves.
+void copy_samples(const PatchGrid& grid, ImageView<const std::uint8_t> image, int x, int y, float* samples) {
+  const int reach = grid.radius + 1;
+  std::uint8_t bytes[kMaxPatchSamples + 32] = {};
+  for (int i = 0; i < grid.side; ++i) {  // whole words; what is too much is overwritten by the next row
+    const std::uint8_t* from = image.row(y - reach + i) + x - reach;
+    std::memcpy(bytes + i * grid.side, from, 16);
+    if (grid.side > 16) std::memcpy(bytes + i * grid.side + 16, from + 16, 1);
+  }
+  const int n = (grid.side * grid.side + kPatchLanes - 1) / kPatchLanes * kPatchLanes;
+  for (int i = 0; i < n; ++i) samples[i] = static_cast<float>(bytes[i]);
+}
+
+}  // namespace
+
 bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int radius, Template& out) {
   const PatchGrid& grid = grid_of(radius);
   const PatchPlace place{x, y, 1.0F, 0.0F, 0.0F, 1.0F};
   if (!inside(image, place, radius + 1)) return false;
   alignas(32) float samples[kMaxPatchSamples];
-  kernels().patch_sample(grid, image.data, image.stride, place, 0.0F, samples);
+  const int whole_x = static_cast<int>(x);
+  const int whole_y = static_cast<int>(y);
+  if (x == static_cast<float>(whole_x) && y == static_cast<float>(whole_y)) {
+    copy_samples(grid, image, whole_x, whole_y, samples);
+  } else {
+    kernels().patch_sample(grid, image.data, image.stride, place, 0.0F, samples);
+  }
   const int n = 2 * radius + 1;
   float sum = 0.0F;
   for (int i = 0; i < n; ++i) {
     for (int j = 0; j < n; ++j) sum += samples[(i + 1) * grid.side + j + 1];
   }
-  out.radius = radius;
-  out.mean = sum / static_cast<float>(n * n);
-  out.tt = 0.0F;
+  const float mean = sum / static_cast<float>(n * n);
+  kernels().patch_inner(grid, samples, mean, out.inner);
+  float tt = 0.0F;
   for (int i = 0; i < n; ++i) {
-    const float* s = samples + (i + 1) * grid.side + 1;
-    const int row = i * grid.row;
-    for (int j = 0; j < n; ++j) {
-      const float t = s[j] - out.mean;
-      out.tt += t * t;
-      out.inner.t[row + j] = t;
-      out.inner.gx[row + j] = 0.25F * (s[j + 1] - s[j - 1]);
-      out.inner.gy[row + j] = 0.25F * (s[j + grid.side] - s[j - grid.side]);
-    }
-    for (int j = n; j < grid.row; ++j) out.inner.t[row + j] = out.inner.gx[row + j] = out.inner.gy[row + j] = 0.0F;
+    for (int j = 0; j < n; ++j) tt += out.inner.t[i * grid.row + j] * out.inner.t[i * grid.row + j];
   }
+  out.radius = radius;
+  out.mean = mean;
+  out.tt = tt;
   return true;
 }
 
 PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> image, float x, float y, const Warp& warp,
                    Freedom freedom, const PatchParams& params) {
   PatchFit fit;
+  const Kernels& k = kernels();
   const int r = reference.radius;
   const PatchGrid& grid = grid_of(r);
   const float n = static_cast<float>((2 * r + 1) * (2 * r + 1));
@@ -94,9 +113,9 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     if (!inside(image, place, r + 1)) return fit;
     // Least squares for W + Gx sx + Gy sy = gain T + bias, where G is the mean gradient of T and W (the second-order
     // step) and T is without its mean.
-    PatchSums s;
-    kernels().patch_sample(grid, image.data, image.stride, place, reference.mean, samples);
-    kernels().patch_sums(grid, reference.inner, samples, s);
+    PatchSums s{};
+    k.patch_sample(grid, image.data, image.stride, place, reference.mean, samples);
+    (freedom == Freedom::both ? k.patch_sums : k.patch_sums_across)(grid, reference.inner, samples, s);
     // Take out the bias (means), then the gain.
     const float ww = s.ww - s.w * s.w / n;
     const float gain = s.tw / tt;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace cliquevo::vo {
 
@@ -23,26 +24,59 @@ float even_place(double shift) {
 
 constexpr std::size_t kVerticalStep = 4;  // every so many features tell of the vertical error
 
+// Eight pixels of a row of disparities.
+using Words = std::int16_t __attribute__((vector_size(16)));
+
+// Sums over one column each of the window: how many belong to the surface, their disparities less the feature's (px *
+// 16), both also times their row.
+struct ColumnSums {
+  Words n{}, d{}, y{}, yy{}, yd{};
+  void add(const std::int16_t* row, std::int16_t centre, std::int16_t dy) {
+    constexpr auto kBand = static_cast<std::int16_t>(kSlantBand * kDisparityScale);
+    Words raw;
+    std::memcpy(&raw, row, sizeof raw);
+    const Words off = raw - centre;  // an unknown disparity wraps to something far
+    const Words belongs = (off <= kBand) & (off >= static_cast<std::int16_t>(-kBand));
+    const Words known = off & belongs;
+    n -= belongs;
+    d += known;
+    y -= belongs * dy;
+    yy -= belongs * static_cast<std::int16_t>(dy * dy);
+    yd += known * dy;
+  }
+};
+
 // Least-squares plane through the disparities around the feature.
 void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
-  double n = 0, sx = 0, sy = 0, sd = 0, sxx = 0, sxy = 0, syy = 0, sxd = 0, syd = 0;
+  // All sums are whole numbers of sixteenths.
+  constexpr int kColumns = 2 * kSlantRadius + 1;
+  constexpr int kOverlap = 16 - kColumns;  // columns that the second eight share with the first
+  ColumnSums sums[2];
+  const std::int16_t centre = disparity(f.x, f.y);
   for (int dy = -kSlantRadius; dy <= kSlantRadius; ++dy) {
-    for (int dx = -kSlantRadius; dx <= kSlantRadius; ++dx) {
-      const std::int16_t raw = disparity(f.x + dx, f.y + dy);
-      if (raw == kUnknownDisparity) continue;
-      const double d = raw / static_cast<double>(kDisparityScale) - f.disparity_px;
-      if (std::abs(d) > kSlantBand) continue;
-      n += 1;
-      sx += dx;
-      sy += dy;
-      sd += d;
-      sxx += dx * dx;
-      sxy += dx * dy;
-      syy += dy * dy;
-      sxd += dx * d;
-      syd += dy * d;
-    }
+    const std::int16_t* row = disparity.row(f.y + dy) + f.x - kSlantRadius;
+    sums[0].add(row, centre, static_cast<std::int16_t>(dy));
+    sums[1].add(row + 8 - kOverlap, centre, static_cast<std::int16_t>(dy));
   }
+  int whole_n = 0, whole_x = 0, whole_y = 0, whole_d = 0, whole_xx = 0, whole_xy = 0, whole_yy = 0, whole_xd = 0,
+      whole_yd = 0;
+  for (int column = 0; column < kColumns; ++column) {
+    const ColumnSums& s = sums[column / 8];
+    const int lane = column < 8 ? column : column - 8 + kOverlap;
+    const int dx = column - kSlantRadius;
+    whole_n += s.n[lane];
+    whole_x += dx * s.n[lane];
+    whole_y += s.y[lane];
+    whole_d += s.d[lane];
+    whole_xx += dx * dx * s.n[lane];
+    whole_xy += dx * s.y[lane];
+    whole_yy += s.yy[lane];
+    whole_xd += dx * s.d[lane];
+    whole_yd += s.yd[lane];
+  }
+  constexpr double kUnit = 1.0 / kDisparityScale;
+  const double n = whole_n, sx = whole_x, sy = whole_y, sd = whole_d * kUnit;
+  double sxx = whole_xx, sxy = whole_xy, syy = whole_yy, sxd = whole_xd * kUnit, syd = whole_yd * kUnit;
   f.disparity_dx = f.disparity_dy = 0.0;
   if (n < 30) return;
   sxx -= sx * sx / n;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <immintrin.h>
 
-#include "core/vo/kernels/fast_circle.h"
+#include "core/vo/kernels/byte_rows.h"
 #include "core/vo/kernels/motion_sums.h"
 #include "core/vo/kernels/patch_sums.h"
 #include "core/vo/kernels/tables.h"
@@ -9,67 +9,32 @@
 namespace cliquevo::vo {
 namespace {
 
-__m256i load(const std::uint8_t* p) { return _mm256_loadu_si256(reinterpret_cast<const __m256i*>(p)); }
-
-int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::int16_t* columns,
-             std::uint8_t* scores) {
-  std::ptrdiff_t offsets[16];
-  circle_offsets(stride, offsets);
-  const __m256i t = _mm256_set1_epi8(static_cast<char>(threshold));
-  const __m256i zero = _mm256_setzero_si256();
-  int n = 0;
-  if (x1 - x0 < 32) return kReferenceKernels.fast_row(row, stride, x0, x1, threshold, columns, scores);
-  for (int next = x0; next < x1; next += 32) {
-    const int x = next + 32 <= x1 ? next : x1 - 32;  // the last pack overlaps the one before
-    const std::uint8_t* p = row + x;
-    const __m256i c = load(p);
-    const __m256i above = _mm256_adds_epu8(c, t);
-    const __m256i below = _mm256_subs_epu8(c, t);
-    // "not brighter" and "not darker" of a circle pixel, as 0 / nonzero bytes
-    const auto excess = [&](int i) { return _mm256_subs_epu8(load(p + offsets[i]), above); };
-    const auto deficit = [&](int i) { return _mm256_subs_epu8(below, load(p + offsets[i])); };
-    // Nine contiguous pixels hold at least one of each opposite pair: reject by the four on the axes first.
-    const __m256i b = _mm256_and_si256(_mm256_cmpeq_epi8(_mm256_or_si256(excess(0), excess(8)), zero),
-                                       _mm256_cmpeq_epi8(_mm256_or_si256(deficit(0), deficit(8)), zero));
-    const __m256i a = _mm256_and_si256(_mm256_cmpeq_epi8(_mm256_or_si256(excess(4), excess(12)), zero),
-                                       _mm256_cmpeq_epi8(_mm256_or_si256(deficit(4), deficit(12)), zero));
-    if (_mm256_movemask_epi8(_mm256_or_si256(a, b)) == -1) continue;
-    // Lengths of the runs of brighter and of darker pixels, once and a half round.
-    __m256i run_b = zero;
-    __m256i run_d = zero;
-    __m256i longest = zero;
-    const __m256i one = _mm256_set1_epi8(1);
-    for (int k = 0; k < 24; ++k) {
-      const __m256i not_b = _mm256_cmpeq_epi8(excess(k & 15), zero);
-      const __m256i not_d = _mm256_cmpeq_epi8(deficit(k & 15), zero);
-      run_b = _mm256_andnot_si256(not_b, _mm256_add_epi8(run_b, one));
-      run_d = _mm256_andnot_si256(not_d, _mm256_add_epi8(run_d, one));
-      longest = _mm256_max_epu8(longest, _mm256_max_epu8(run_b, run_d));
-    }
-    unsigned corners = static_cast<unsigned>(_mm256_movemask_epi8(_mm256_cmpgt_epi8(longest, _mm256_set1_epi8(8))));
-    corners &= ~0U << (next - x);
-    while (corners != 0) {
-      const int i = __builtin_ctz(corners);
-      corners &= corners - 1;
-      columns[n] = static_cast<std::int16_t>(x + i);
-      scores[n++] = static_cast<std::uint8_t>(fast_score(p + i, offsets));
-    }
+struct Avx2Bytes {
+  using Reg = __m256i;
+  static constexpr int kBytes = 32;
+  static Reg zero() { return _mm256_setzero_si256(); }
+  static Reg load(const void* p) { return _mm256_loadu_si256(static_cast<const __m256i*>(p)); }
+  static void store(void* p, Reg v) { _mm256_storeu_si256(static_cast<__m256i*>(p), v); }
+  static Reg broadcast8(int v) { return _mm256_set1_epi8(static_cast<char>(v)); }
+  static Reg broadcast16(int v) { return _mm256_set1_epi16(static_cast<short>(v)); }
+  static Reg min8(Reg a, Reg b) { return _mm256_min_epu8(a, b); }
+  static Reg max8(Reg a, Reg b) { return _mm256_max_epu8(a, b); }
+  static Reg min16(Reg a, Reg b) { return _mm256_min_epu16(a, b); }
+  static Reg equal16(Reg a, Reg b) { return _mm256_cmpeq_epi16(a, b); }
+  static Reg select(Reg mask, Reg a, Reg b) { return _mm256_blendv_epi8(b, a, mask); }
+  static Reg subtract_saturated(Reg a, Reg b) { return _mm256_subs_epu8(a, b); }
+  static bool any(Reg mask) { return _mm256_movemask_epi8(mask) != 0; }
+  static bool any_above(Reg a, Reg b) { return _mm256_testz_si256(subtract_saturated(a, b), broadcast8(-1)) == 0; }
+  static Reg sad(Reg a, Reg b) { return _mm256_sad_epu8(a, b); }
+  static Reg add64(Reg a, Reg b) { return _mm256_add_epi64(a, b); }
+  // Four sums, each still in parts below 2^16.
+  static void store_four(std::uint16_t* to, Reg a, Reg b, Reg c, Reg d) {
+    const Reg all = _mm256_or_si256(_mm256_or_si256(a, _mm256_slli_epi64(b, 16)),
+                                    _mm256_or_si256(_mm256_slli_epi64(c, 32), _mm256_slli_epi64(d, 48)));
+    const __m128i half = _mm_add_epi16(_mm256_castsi256_si128(all), _mm256_extracti128_si256(all, 1));
+    _mm_storel_epi64(reinterpret_cast<__m128i*>(to), _mm_add_epi16(half, _mm_unpackhi_epi64(half, half)));
   }
-  return n;
-}
-
-void sad_row(const std::uint8_t* descriptor, const std::uint8_t* others, int count, int length, std::uint16_t* scores) {
-  const int blocks = (length + 31) / 32;
-  for (int j = 0; j < count; ++j) {
-    const std::uint8_t* other = others + static_cast<std::ptrdiff_t>(j) * kDescriptorStride;
-    __m256i sum = _mm256_setzero_si256();
-    for (int k = 0; k < blocks; ++k) {
-      sum = _mm256_add_epi64(sum, _mm256_sad_epu8(load(descriptor + 32 * k), load(other + 32 * k)));
-    }
-    const __m128i half = _mm_add_epi64(_mm256_castsi256_si128(sum), _mm256_extracti128_si256(sum, 1));
-    scores[j] = static_cast<std::uint16_t>(_mm_cvtsi128_si32(half) + _mm_extract_epi16(half, 4));
-  }
-}
+};
 
 void patch_sample(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
                   float mean, float* samples) {
@@ -103,6 +68,13 @@ void patch_sample(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff
 
 }  // namespace
 
-const Kernels kAvx2Kernels = {fast_row, sad_row, patch_sample, patch_sums_of<VectorFloats>, motion_sums_of<VectorPack>};
+const Kernels kAvx2Kernels = {fast_row_of<Avx2Bytes>,
+                              sad_row_of<Avx2Bytes>,
+                              row_minimum_of<Avx2Bytes>,
+                              patch_sample,
+                              patch_inner_of<VectorFloats>,
+                              patch_sums_of<VectorFloats, true>,
+                              patch_sums_of<VectorFloats, false>,
+                              motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo

@@ -97,11 +97,19 @@ struct Kernels {
   // `length` bytes each, rounded up to a multiple of 32 (the rest is 0).
   void (*sad_row)(const std::uint8_t* descriptor, const std::uint8_t* others, int count, int length,
                   std::uint16_t* scores);
+  // Step A3: the first of the least of `count` > 0 scores of this row; each column's least score and the first row that
+  // has it are kept up to date, beginning with 65535 and -1.
+  int (*row_minimum)(const std::uint16_t* scores, int count, int row, std::uint16_t* column_score,
+                     std::int16_t* column_best);
   // Bilinear samples of the image less `mean`. The caller has made sure that all lie inside, 3 px from the right and
   // the lower border.
   void (*patch_sample)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
                        float mean, float* samples);
+  // A template's inner part from its samples.
+  void (*patch_inner)(const PatchGrid& grid, const float* samples, float mean, PatchInner& out);
   void (*patch_sums)(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out);
+  // The same without the sums over gy, which a search along the row does without.
+  void (*patch_sums_across)(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out);
   // Adds one reference frame's part of the normal equations, and writes each observation's squared sigmas.
   void (*motion_sums)(const MotionTerms& terms, const MotionState& state, MotionSums& out);
 };

@@ -43,11 +43,18 @@ inline V load_floats(const float* from) {
   return out;
 }
 
-template <class V>
-inline float sum_floats(V v) {
-  float lane[kPatchLanes];
-  __builtin_memcpy(lane, &v, sizeof lane);
+// ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))
+inline float sum_floats(const PlainFloats& v) {
+  const float* lane = v.lane;
   return ((lane[0] + lane[4]) + (lane[2] + lane[6])) + ((lane[1] + lane[5]) + (lane[3] + lane[7]));
+}
+inline float sum_floats(const VectorFloats& v) {
+  using Four = float __attribute__((vector_size(16)));
+  Four half[2];
+  __builtin_memcpy(half, &v, sizeof half);
+  const Four four = half[0] + half[1];
+  const Four two = four + __builtin_shufflevector(four, four, 2, 3, 0, 1);
+  return two[0] + two[1];
 }
 
 inline void patch_sample_plain(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride,
@@ -69,14 +76,40 @@ inline void patch_sample_plain(const PatchGrid& grid, const std::uint8_t* image,
 }
 
 template <class V>
+inline V all_floats(float v) {
+  float lanes[kPatchLanes];
+  for (float& lane : lanes) lane = v;
+  return load_floats<V>(lanes);
+}
+
+template <class V>
+void patch_inner_of(const PatchGrid& grid, const float* samples, float mean, PatchInner& out) {
+  const V less = all_floats<V>(-mean);
+  const V quarter = all_floats<V>(0.25F);
+  const V negative = all_floats<V>(-1.0F);
+  const int rows = 2 * grid.radius + 1;
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < grid.row; x += kPatchLanes) {
+      const int at = y * grid.row + x;
+      const float* s = samples + (y + 1) * grid.side + x + 1;
+      const V mask = load_floats<V>(grid.inside + x);
+      const V t = (load_floats<V>(s) + less) * mask;
+      const V gx = quarter * (load_floats<V>(s + 1) + load_floats<V>(s - 1) * negative) * mask;
+      const V gy = quarter * (load_floats<V>(s + grid.side) + load_floats<V>(s - grid.side) * negative) * mask;
+      __builtin_memcpy(out.t + at, &t, sizeof t);
+      __builtin_memcpy(out.gx + at, &gx, sizeof gx);
+      __builtin_memcpy(out.gy + at, &gy, sizeof gy);
+    }
+  }
+}
+
+template <class V, bool kBoth>
 void patch_sums_of(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out) {
-  V sums[12];
-  __builtin_memset(sums, 0, sizeof sums);
-  float quarters[kPatchLanes];
-  float minus[kPatchLanes];
-  for (int i = 0; i < kPatchLanes; ++i) quarters[i] = 0.25F, minus[i] = -1.0F;
-  const V quarter = load_floats<V>(quarters);
-  const V negative = load_floats<V>(minus);
+  const V zero = all_floats<V>(0.0F);
+  const V quarter = all_floats<V>(0.25F);
+  const V negative = all_floats<V>(-1.0F);
+  V w_ = zero, ww = zero, tw = zero, gx_ = zero, gy_ = zero, gxx = zero, gxy = zero, gyy = zero, gxt = zero, gyt = zero,
+    gxw = zero, gyw = zero;
   const int rows = 2 * grid.radius + 1;
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < grid.row; x += kPatchLanes) {
@@ -86,26 +119,39 @@ void patch_sums_of(const PatchGrid& grid, const PatchInner& inner, const float* 
       const V t = load_floats<V>(inner.t + at);
       const V w = load_floats<V>(s) * mask;
       const V dx = load_floats<V>(s + 1) + load_floats<V>(s - 1) * negative;
-      const V dy = load_floats<V>(s + grid.side) + load_floats<V>(s - grid.side) * negative;
       const V gx = load_floats<V>(inner.gx + at) + dx * quarter * mask;
-      const V gy = load_floats<V>(inner.gy + at) + dy * quarter * mask;
-      sums[0] = sums[0] + w;
-      sums[1] = sums[1] + w * w;
-      sums[2] = sums[2] + t * w;
-      sums[3] = sums[3] + gx;
-      sums[4] = sums[4] + gy;
-      sums[5] = sums[5] + gx * gx;
-      sums[6] = sums[6] + gx * gy;
-      sums[7] = sums[7] + gy * gy;
-      sums[8] = sums[8] + gx * t;
-      sums[9] = sums[9] + gy * t;
-      sums[10] = sums[10] + gx * w;
-      sums[11] = sums[11] + gy * w;
+      w_ = w_ + w;
+      ww = ww + w * w;
+      tw = tw + t * w;
+      gx_ = gx_ + gx;
+      gxx = gxx + gx * gx;
+      gxt = gxt + gx * t;
+      gxw = gxw + gx * w;
+      if constexpr (kBoth) {
+        const V dy = load_floats<V>(s + grid.side) + load_floats<V>(s - grid.side) * negative;
+        const V gy = load_floats<V>(inner.gy + at) + dy * quarter * mask;
+        gy_ = gy_ + gy;
+        gxy = gxy + gx * gy;
+        gyy = gyy + gy * gy;
+        gyt = gyt + gy * t;
+        gyw = gyw + gy * w;
+      }
     }
   }
-  out = {sum_floats(sums[0]), sum_floats(sums[1]), sum_floats(sums[2]),  sum_floats(sums[3]),
-         sum_floats(sums[4]), sum_floats(sums[5]), sum_floats(sums[6]),  sum_floats(sums[7]),
-         sum_floats(sums[8]), sum_floats(sums[9]), sum_floats(sums[10]), sum_floats(sums[11])};
+  out.w = sum_floats(w_);
+  out.ww = sum_floats(ww);
+  out.tw = sum_floats(tw);
+  out.gx = sum_floats(gx_);
+  out.gxx = sum_floats(gxx);
+  out.gxt = sum_floats(gxt);
+  out.gxw = sum_floats(gxw);
+  if constexpr (kBoth) {
+    out.gy = sum_floats(gy_);
+    out.gxy = sum_floats(gxy);
+    out.gyy = sum_floats(gyy);
+    out.gyt = sum_floats(gyt);
+    out.gyw = sum_floats(gyw);
+  }
 }
 
 }  // namespace

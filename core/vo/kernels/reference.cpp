@@ -33,9 +33,27 @@ void sad_row(const std::uint8_t* descriptor, const std::uint8_t* others, int cou
   }
 }
 
+int row_minimum(const std::uint16_t* scores, int count, int row, std::uint16_t* column_score,
+                std::int16_t* column_best) {
+  int best = 0;
+  for (int j = 0; j < count; ++j) {
+    if (scores[j] < scores[best]) best = j;
+    if (scores[j] >= column_score[j]) continue;
+    column_score[j] = scores[j];
+    column_best[j] = static_cast<std::int16_t>(row);
+  }
+  return best;
+}
+
 }  // namespace
 
-const Kernels kReferenceKernels = {fast_row, sad_row, patch_sample_plain, patch_sums_of<PlainFloats>,
+const Kernels kReferenceKernels = {fast_row,
+                                   sad_row,
+                                   row_minimum,
+                                   patch_sample_plain,
+                                   patch_inner_of<PlainFloats>,
+                                   patch_sums_of<PlainFloats, true>,
+                                   patch_sums_of<PlainFloats, false>,
                                    motion_sums_of<PlainPack>};
 
 }  // namespace cliquevo::vo

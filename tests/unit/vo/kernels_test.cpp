@@ -2,6 +2,7 @@
 #include "core/vo/kernels/kernels.h"
 
 #include <cstring>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -75,6 +76,26 @@ TEST_P(VoKernels, SumTheReferencesAbsoluteDifferences) {
   }
 }
 
+TEST_P(VoKernels, FindTheReferencesMinimaOfRowsAndColumns) {
+  std::mt19937 rng(12);
+  const Kernels& reference = *kernels_for(Isa::reference);
+  const Kernels& kernel = *kernels_for(GetParam());
+  for (const int count : {1, 7, 8, 15, 16, 17, 33, 100}) {
+    for (const unsigned range : {3U, 40U, 65536U}) {
+      const auto n = static_cast<std::size_t>(count);
+      std::vector<std::uint16_t> scores(n), score_a(n, 0xFFFF), score_b = score_a;
+      std::vector<std::int16_t> best_a(n, -1), best_b = best_a;
+      for (int row = 0; row < 20; ++row) {
+        for (auto& s : scores) s = static_cast<std::uint16_t>(65535U - rng() % range);
+        ASSERT_EQ(reference.row_minimum(scores.data(), count, row, score_a.data(), best_a.data()),
+                  kernel.row_minimum(scores.data(), count, row, score_b.data(), best_b.data()));
+        ASSERT_EQ(score_a, score_b);
+        ASSERT_EQ(best_a, best_b);
+      }
+    }
+  }
+}
+
 TEST_P(VoKernels, SampleAndSumPatchesToTheReferencesBits) {
   std::mt19937 rng(9);
   std::uniform_real_distribution<float> place(20.0F, 40.0F), near(0.8F, 1.2F), off(-0.3F, 0.3F);
@@ -106,6 +127,15 @@ TEST_P(VoKernels, SampleAndSumPatchesToTheReferencesBits) {
       reference.patch_sums(grid, found.inner, a, sa);
       kernel.patch_sums(grid, found.inner, a, sb);
       ASSERT_EQ(0, std::memcmp(&sa, &sb, sizeof sa)) << "radius " << radius;
+      PatchSums across_a{}, across_b{};
+      reference.patch_sums_across(grid, found.inner, a, across_a);
+      kernel.patch_sums_across(grid, found.inner, a, across_b);
+      ASSERT_EQ(0, std::memcmp(&across_a, &across_b, sizeof across_a)) << "radius " << radius;
+      ASSERT_EQ(across_a.gxw, sa.gxw);
+      auto inner_a = std::make_unique<PatchInner>(), inner_b = std::make_unique<PatchInner>();
+      reference.patch_inner(grid, a, 3.3F, *inner_a);
+      kernel.patch_inner(grid, a, 3.3F, *inner_b);
+      ASSERT_EQ(0, std::memcmp(inner_a.get(), inner_b.get(), sizeof *inner_a)) << "radius " << radius;
       EXPECT_GT(sa.gxx, 0.0F);
     }
   }

@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// FAST, and the rows of the score matrix with their minima, written once over the few operations `V` that each
+// instruction set supplies. Internal linkage on purpose: each kernel file is compiled with other machine options.
+#pragma once
+
+#include "core/vo/kernels/fast_circle.h"
+#include "core/vo/kernels/kernels.h"
+#include "core/vo/kernels/tables.h"
+
+namespace cliquevo::vo {
+namespace {
+
+// The largest of the least values of nine neighbours on the circle.
+template <class V>
+inline typename V::Reg best_arc(const typename V::Reg (&m)[16]) {
+  using Reg = typename V::Reg;
+  Reg two[16];
+  Reg four[16];
+  for (int i = 0; i < 16; ++i) two[i] = V::min8(m[i], m[(i + 1) & 15]);
+  for (int i = 0; i < 16; ++i) four[i] = V::min8(two[i], two[(i + 2) & 15]);
+  Reg best = V::zero();
+  for (int i = 0; i < 16; ++i) {
+    best = V::max8(best, V::min8(V::min8(four[i], four[(i + 4) & 15]), m[(i + 8) & 15]));
+  }
+  return best;
+}
+
+template <class V>
+int fast_row_of(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::int16_t* columns,
+                std::uint8_t* scores) {
+  using Reg = typename V::Reg;
+  constexpr int kBytes = V::kBytes;
+  if (x1 - x0 < kBytes) return kReferenceKernels.fast_row(row, stride, x0, x1, threshold, columns, scores);
+  std::ptrdiff_t offsets[16];
+  circle_offsets(stride, offsets);
+  const Reg t = V::broadcast8(threshold);
+  int n = 0;
+  for (int next = x0; next < x1; next += kBytes) {
+    const int x = next + kBytes <= x1 ? next : x1 - kBytes;  // the last pack overlaps the one before
+    const std::uint8_t* p = row + x;
+    const Reg c = V::load(p);
+    const auto brighter = [&](int i) { return V::subtract_saturated(V::load(p + offsets[i]), c); };
+    const auto darker = [&](int i) { return V::subtract_saturated(c, V::load(p + offsets[i])); };
+    // Nine contiguous pixels hold at least one of each opposite pair: reject by the four on the axes first.
+    const Reg b = V::min8(V::max8(brighter(0), brighter(8)), V::max8(brighter(4), brighter(12)));
+    const Reg d = V::min8(V::max8(darker(0), darker(8)), V::max8(darker(4), darker(12)));
+    if (!V::any_above(V::max8(b, d), t)) continue;
+    Reg bright[16];
+    Reg dark[16];
+    for (int i = 0; i < 16; ++i) {
+      bright[i] = brighter(i);
+      dark[i] = darker(i);
+    }
+    const Reg best = V::max8(best_arc<V>(bright), best_arc<V>(dark));
+    if (!V::any_above(best, t)) continue;
+    std::uint8_t found[kBytes];
+    V::store(found, best);
+    for (int i = next - x; i < kBytes; ++i) {
+      if (found[i] <= threshold) continue;
+      columns[n] = static_cast<std::int16_t>(x + i);
+      scores[n++] = static_cast<std::uint8_t>(found[i] - 1);
+    }
+  }
+  return n;
+}
+
+template <class V, int kBlocks>
+void sad_row_in_blocks(const std::uint8_t* descriptor, const std::uint8_t* others, int count, std::uint16_t* scores) {
+  using Reg = typename V::Reg;
+  Reg mine[kBlocks];
+  for (int k = 0; k < kBlocks; ++k) mine[k] = V::load(descriptor + k * V::kBytes);
+  const auto sums = [&mine](const std::uint8_t* other) {
+    Reg sum = V::sad(mine[0], V::load(other));
+    for (int k = 1; k < kBlocks; ++k) sum = V::add64(sum, V::sad(mine[k], V::load(other + k * V::kBytes)));
+    return sum;
+  };
+  int j = 0;
+  for (; j + 4 <= count; j += 4, others += static_cast<std::ptrdiff_t>(4) * kDescriptorStride) {
+    V::store_four(scores + j, sums(others), sums(others + kDescriptorStride), sums(others + 2 * kDescriptorStride),
+                  sums(others + static_cast<std::ptrdiff_t>(3) * kDescriptorStride));
+  }
+  for (; j < count; ++j, others += kDescriptorStride) {
+    std::uint16_t four[4];
+    const Reg sum = sums(others);
+    V::store_four(four, sum, sum, sum, sum);
+    scores[j] = four[0];
+  }
+}
+
+template <class V>
+void sad_row_of(const std::uint8_t* descriptor, const std::uint8_t* others, int count, int length,
+                std::uint16_t* scores) {
+  constexpr int kMost = kDescriptorStride / V::kBytes;
+  const int blocks = (length + V::kBytes - 1) / V::kBytes;
+  if (blocks * V::kBytes <= 32) return sad_row_in_blocks<V, 32 / V::kBytes>(descriptor, others, count, scores);
+  if (blocks * V::kBytes <= 48)
+    return sad_row_in_blocks<V, (48 + V::kBytes - 1) / V::kBytes>(descriptor, others, count, scores);
+  if (blocks * V::kBytes <= 64) return sad_row_in_blocks<V, 64 / V::kBytes>(descriptor, others, count, scores);
+  sad_row_in_blocks<V, kMost>(descriptor, others, count, scores);
+}
+
+template <class V>
+int row_minimum_of(const std::uint16_t* scores, int count, int row, std::uint16_t* column_score,
+                   std::int16_t* column_best) {
+  using Reg = typename V::Reg;
+  constexpr int kWords = V::kBytes / 2;
+  const Reg mine = V::broadcast16(row);
+  Reg least = V::broadcast16(0xFFFF);
+  int j = 0;
+  for (; j + kWords <= count; j += kWords) {
+    const Reg s = V::load(scores + j);
+    const Reg before = V::load(column_score + j);
+    const Reg now = V::min16(s, before);
+    const Reg kept = V::equal16(now, before);
+    V::store(column_score + j, now);
+    V::store(column_best + j, V::select(kept, V::load(column_best + j), mine));
+    least = V::min16(least, s);
+  }
+  std::uint16_t lanes[kWords];
+  V::store(lanes, least);
+  std::uint16_t lowest = 0xFFFF;
+  for (const std::uint16_t v : lanes) lowest = v < lowest ? v : lowest;
+  for (; j < count; ++j) {
+    lowest = scores[j] < lowest ? scores[j] : lowest;
+    if (scores[j] < column_score[j]) {
+      column_score[j] = scores[j];
+      column_best[j] = static_cast<std::int16_t>(row);
+    }
+  }
+  int first = 0;
+  const Reg wanted = V::broadcast16(lowest);
+  while (first + kWords <= count && !V::any(V::equal16(V::load(scores + first), wanted))) first += kWords;
+  while (first < count && scores[first] != lowest) ++first;
+  return first;
+}
+
+}  // namespace
+}  // namespace cliquevo::vo
