@@ -64,10 +64,25 @@ std::string install_package() {
 
 std::unique_ptr<BootedRoot> BootedRoot::boot(bool without_route) {
   std::unique_ptr<BootedRoot> self(new BootedRoot());
-  self->nspawn_ = std::make_unique<Subprocess>(std::vector<std::string>{
-      "systemd-nspawn", "--quiet", "--directory=" + folder() + "/root", "--boot", "--register=no", "--keep-unit",
-      "--private-network", "--volatile=overlay", "--console=pipe", "--capability=CAP_IPC_LOCK,CAP_SYS_NICE",
-      "--rlimit=RLIMIT_MEMLOCK=infinity"});
+  std::vector<std::string> command{"systemd-nspawn",
+                                   "--quiet",
+                                   "--directory=" + folder() + "/root",
+                                   "--boot",
+                                   "--register=no",
+                                   "--keep-unit",
+                                   "--private-network",
+                                   "--volatile=overlay",
+                                   "--console=pipe",
+                                   "--capability=CAP_IPC_LOCK,CAP_SYS_NICE",
+                                   "--rlimit=RLIMIT_MEMLOCK=infinity"};
+  // In a chroot / is no mount, and nspawn wants one: the same tree, seen where it is.
+  if (test::run({"mountpoint", "-q", "/"}).exit_code != 0) {
+    const std::string seen = folder() + "/seen";
+    fs::create_directories(seen);
+    command.insert(command.begin(), {"unshare", "--mount", "--propagation", "unchanged", "sh", "-c",
+                                     R"(mount --rbind / "$0" && exec chroot "$0" "$@")", seen});
+  }
+  self->nspawn_ = std::make_unique<Subprocess>(command);
   for (int i = 0; i < 1200; ++i, pause()) {
     const pid_t nspawn = self->nspawn_->pid();
     const std::string children =
