@@ -141,6 +141,8 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("odometry.min_eigenvalue_ratio", odometry.min_eigenvalue_ratio);
   v.key("odometry.max_reprojection_error_px", odometry.max_reprojection_error_px);
   v.key("odometry.rival_share", odometry.rival_share);
+  v.key("odometry.max_contradiction", odometry.max_contradiction);
+  v.key("odometry.max_unsteadiness_px", odometry.max_unsteadiness_px);
   v.choice("odometry.after_failure", odometry.after_failure,
            {{"hold", vo::AfterFailure::hold}, {"constant_velocity", vo::AfterFailure::constant_velocity}});
 

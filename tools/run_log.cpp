@@ -84,6 +84,8 @@ json frame_json(const FrameRecord& frame) {
               {"inliers", e.inliers},
               {"reprojection_error_px", e.reprojection_error_px},
               {"eigenvalue_ratio", e.eigenvalue_ratio},
+              {"contradiction", e.contradiction},
+              {"unsteadiness_px", e.unsteadiness_px},
               {"T_prev_cur", pose_json(e.T_prev_cur)},
               {"T_world_camera", pose_json(e.T_world_camera)},
               {"times_ms", std::move(times)}};
@@ -115,7 +117,7 @@ json calibration_json(const vo::CalibrationCheck& c) {
           {"vertical_px", c.vertical_px},
           {"vertical_across_px", c.vertical_across_px},
           {"vertical_down_px", c.vertical_down_px},
-          {"vertical_corner_px", c.vertical_corner_px},
+          {"vertical_most_px", c.vertical_most_px},
           {"vertical_sigma_px", c.vertical_sigma_px},
           {"rotation_deg", three(c.rotation_deg)},
           {"rotation_sigma_deg", three(c.rotation_sigma_deg)}};

@@ -18,6 +18,9 @@ constexpr double kGoodShare = 0.7;  // of a clique's members that its motion sho
 // that makes the normalised error right (NEES 6) on the simulator's wheeled and walking courses.
 constexpr double kLeastVariance = 0.05;
 constexpr double kVarianceFactor = 1.5;
+// Errors that neighbours share (of the calibration, of a surface) do not average out where all inliers come from one
+// part of the picture: below this share of its cells the covariance grows in proportion.
+constexpr double kFullCoverage = 0.5;
 constexpr double kApartSigmas = 5.0;  // two motions farther apart are two
 
 Observation observation(const Feature& ref, const Feature& cur, int index) {
@@ -36,7 +39,8 @@ Estimator::Estimator(const StereoModel& model, const VoParams& params)
       matcher_(params.max_features),
       clique_finder_(model, params),
       solver_(model, params),
-      tracker_(model, params) {
+      tracker_(model, params),
+      support_(model) {
   const std::size_t n = static_cast<std::size_t>(params.max_features);
   matches_.reserve(n);
   pairs_.reserve(n);
@@ -45,6 +49,7 @@ Estimator::Estimator(const StereoModel& model, const VoParams& params)
   unexplained_.reserve(n);
   observations_.reserve(2 * n);
   references_.reserve(2);
+  changes_.reserve(2 * n);
 }
 
 // A2' to A5 as in the paper: scores, co-occurring minima, clique, closed-form start, two-way minimisation.
@@ -126,7 +131,8 @@ bool Estimator::rivalled(const Frame& reference, const Frame& current, const Com
 }
 
 Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current,
-                              const RigidTransform& predicted, const SelfCheck& check, StepTimes& times) {
+                              ImageView<const std::int16_t> disparity, const RigidTransform& predicted,
+                              const SelfCheck& check, StepTimes& times) {
   Comparison out;
   const bool started = first_motion(reference, current, predicted, out, times);
   const std::int64_t start_ns = monotonic_ns();
@@ -158,6 +164,15 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
   }
   out.eigenvalue_ratio = spread_ratio(observations_);
   out.status = validate(out.motion, out.eigenvalue_ratio, params_);
+  if (out.status == Status::valid && params_.refine) {
+    out.unsteadiness_px = out.motion.error_px * excess_change(observations_, changes_);
+    const CellVotes votes = support_.count(reference, current, disparity, out.motion.T_prev_cur, check, observations_);
+    out.contradiction = votes.share();
+    out.motion.covariance *= kFullCoverage / std::clamp(votes.coverage(), 0.05, kFullCoverage);
+    if (out.contradiction > params_.max_contradiction || std::abs(out.unsteadiness_px) > params_.max_unsteadiness_px) {
+      out.status = Status::ambiguous;
+    }
+  }
   if (out.status == Status::valid && rivalled(reference, current, out)) out.status = Status::ambiguous;
   times.motion_ns += monotonic_ns() - start_ns;
   return out;

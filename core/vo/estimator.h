@@ -8,6 +8,7 @@
 #include "core/vo/frame.h"
 #include "core/vo/matches.h"
 #include "core/vo/motion.h"
+#include "core/vo/support.h"
 #include "core/vo/tracking.h"
 #include "core/vo/visual_odometry.h"
 
@@ -20,7 +21,9 @@ struct Comparison {
   int matches = 0;
   int clique = 0;
   double eigenvalue_ratio = 0.0;
-  double key_overlap = 1.0;  // share of the key frame's features that were found again
+  double contradiction = 0.0;    // share of the picture's cells that moved otherwise (core/vo/support.h)
+  double unsteadiness_px = 0.0;  // see excess_change()
+  double key_overlap = 1.0;      // share of the key frame's features that were found again
 };
 
 class Estimator {
@@ -30,8 +33,12 @@ class Estimator {
   // Motion of `current` against `reference`; `predicted` is tried as a start where the closed form's is poor; `key`
   // (may be null or equal to reference) is an older frame that joins the solution once the clique has given a first
   // one. Step times are added to `times`.
-  Comparison compare(const Frame& reference, const Frame* key, const Frame& current, const RigidTransform& predicted,
-                     const SelfCheck& check, StepTimes& times);
+  Comparison compare(const Frame& reference, const Frame* key, const Frame& current,
+                     ImageView<const std::int16_t> disparity, const RigidTransform& predicted, const SelfCheck& check,
+                     StepTimes& times);
+
+  // Once for a new frame, after its features: what else of it may bear witness.
+  void prepare(ImageView<const std::int16_t> disparity, Frame& frame) { support_.choose_witnesses(disparity, frame); }
 
  private:
   bool first_motion(const Frame& reference, const Frame& current, const RigidTransform& predicted, Comparison& out,
@@ -45,6 +52,7 @@ class Estimator {
   CliqueFinder clique_finder_;
   MotionSolver solver_;
   Tracker tracker_;
+  Support support_;
   std::vector<Match> matches_;
   std::vector<PointPair> pairs_;
   std::vector<int> clique_;
@@ -52,6 +60,7 @@ class Estimator {
   std::vector<int> unexplained_;
   std::vector<Observation> observations_;
   std::vector<RigidTransform> references_;
+  std::vector<float> changes_;
 };
 
 }  // namespace cliquevo::vo

@@ -22,6 +22,7 @@ struct Frame {
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
   std::vector<Feature> features;
+  std::vector<Feature> witnesses;  // of the cells without a feature (core/vo/support.h); no points, no descriptors
   Descriptors descriptors;
 };
 

@@ -22,8 +22,10 @@ bool align_points(const std::vector<PointPair>& pairs, const std::vector<int>& m
 struct Observation {
   Eigen::Vector3d uvd_ref;
   Eigen::Vector3d uvd_cur;
-  int reference = 0;  // which reference frame (index into `T_prev_ref`)
-  int feature = 0;    // caller's index
+  int reference = 0;        // which reference frame (index into `T_prev_ref`)
+  int feature = 0;          // caller's index
+  float change = 0.0F;      // of the patch since the reference, 1 - correlation; 0 where not tracked
+  float difference = 0.0F;  // between the eyes, likewise
   // written by the solver
   bool inlier = true;
   double squared_sigmas = 0.0;  // squared Mahalanobis distance, mean of both ways

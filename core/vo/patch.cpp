@@ -119,6 +119,7 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     // Take out the bias (means), then the gain.
     const float ww = s.ww - s.w * s.w / n;
     const float gain = s.tw / tt;
+    fit.correlation = ww > 0.0F ? s.tw / std::sqrt(tt * ww) : 0.0F;
     if (!(gain > 0.3F && gain < 3.0F)) return fit;
     const float gxx = s.gxx - s.gx * s.gx / n - s.gxt * s.gxt / tt;
     const float gxy = s.gxy - s.gx * s.gy / n - s.gxt * s.gyt / tt;

@@ -29,7 +29,8 @@ struct PatchFit {
   bool ok = false;
   float x = 0.0F;  // where the template's centre is in the image
   float y = 0.0F;
-  float residual = 0.0F;  // RMS grey levels
+  float residual = 0.0F;     // RMS grey levels
+  float correlation = 0.0F;  // of template and image, less their means, where last looked at
 };
 
 // A patch cut from an image once, to be found in others.

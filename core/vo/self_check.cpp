@@ -14,16 +14,20 @@ namespace {
 constexpr double kVerticalPrior = 1.0;   // px, each term's share of the error at the border
 constexpr double kVerticalSigma = 0.15;  // px, of one feature
 constexpr double kVerticalRobust = 0.4;  // px, a feature farther off counts ever less
+constexpr double kSeenShare = 0.25;      // of the mean: parts of the image with fewer features are not judged
 constexpr double kForget = 1.0 / 300.0;  // share of the old knowledge that a frame displaces
 constexpr double kOffsetPrior = 0.5;     // px
 // Consecutive frames see the same features with the same errors: a frame tells less than its noise alone would allow.
 constexpr double kOffsetDeflation = 4.0;
-constexpr double kOffsetFrameSigma = 0.1;      // px, error of one frame's figure that its noise does not show
-constexpr double kOffsetWander = 0.002;        // px a frame: calibrations drift with temperature
-constexpr double kRecent = 0.2;                // share of a frame in the running mean of the innovations ...
-constexpr double kTellingVariance = 0.05;      // px^2, (less of one that tells little) ...
-constexpr double kMostRecent = 5.0;            // px, ... to which it adds no more than this ...
-constexpr double kSurprise = 2.0;              // ... and whose square, in variances, is a surprise
+constexpr double kOffsetFrameSigma = 0.1;  // px, error of one frame's figure that its noise does not show
+constexpr double kOffsetWander = 0.002;    // px a frame: calibrations drift with temperature
+constexpr double kRecent = 0.2;            // share of a frame in the running mean of the innovations ...
+constexpr double kTellingVariance = 0.05;  // px^2, (less of one that tells little) ...
+constexpr double kMostRecent = 5.0;        // px, ... to which it adds no more than this ...
+constexpr double kSurprise = 2.0;          // ... and whose square, in variances, is a surprise
+// While the figure still moves against its running mean, by more than the latter, less is known than it seems.
+constexpr double kSettle = 0.05;               // share of a frame in the running mean
+constexpr double kSettled = 0.15;              // px
 constexpr double kOffsetMostInnovation = 0.5;  // px, of one frame
 // What stays uncertain however long one looks: interpolation, lenses, the model itself.
 constexpr double kVerticalFloor = 0.02;  // px
@@ -39,7 +43,7 @@ constexpr double kDegrees = 180.0 / 3.14159265358979323846;
 bool CalibrationCheck::noticeable() const {
   if (frames == 0) return false;
   return std::abs(disparity_offset_px) > std::max(kNoticeableOffset, kNoticeableSigmas * disparity_offset_sigma_px) ||
-         vertical_corner_px > std::max(kNoticeableVertical, kNoticeableSigmas * vertical_sigma_px);
+         vertical_most_px > std::max(kNoticeableVertical, kNoticeableSigmas * vertical_sigma_px);
 }
 
 std::string describe(const CalibrationCheck& c) {
@@ -48,7 +52,7 @@ std::string describe(const CalibrationCheck& c) {
   if (!c.noticeable()) {
     std::snprintf(text, sizeof text,
                   "the calibration agrees with the images (disparities to %.2f +- %.2f px, rows to %.2f px)",
-                  c.disparity_offset_px, c.disparity_offset_sigma_px, c.vertical_corner_px);
+                  c.disparity_offset_px, c.disparity_offset_sigma_px, c.vertical_most_px);
     return text;
   }
   std::snprintf(
@@ -56,7 +60,7 @@ std::string describe(const CalibrationCheck& c) {
       "the calibration is off: disparities are %.2f +- %.2f px too %s and rows differ by up to %.2f px%s; turning "
       "the right eye by %.3f %.3f %.3f degrees about x y z would mend it; calibrate again",
       std::abs(c.disparity_offset_px), c.disparity_offset_sigma_px, c.disparity_offset_px > 0.0 ? "large" : "small",
-      c.vertical_corner_px, c.compensated ? " (the odometry corrects for it)" : "", -c.rotation_deg.x(),
+      c.vertical_most_px, c.compensated ? " (the odometry corrects for it)" : "", -c.rotation_deg.x(),
       -c.rotation_deg.y(), -c.rotation_deg.z());
   return text;
 }
@@ -77,7 +81,15 @@ void SelfCheck::reset() {
   offset_px_ = 0.0;
   offset_variance_ = kOffsetPrior * kOffsetPrior;
   recent_px_ = 0.0;
+  settled_px_ = 0.0;
+  seen_.fill(0.0);
   frames_ = 0;
+}
+
+std::size_t SelfCheck::place_of(double u_px, double v_px) const {
+  const int x = std::clamp(static_cast<int>(kPlaces * u_px / model_.width), 0, kPlaces - 1);
+  const int y = std::clamp(static_cast<int>(kPlaces * v_px / model_.height), 0, kPlaces - 1);
+  return static_cast<std::size_t>(y * kPlaces + x);
 }
 
 SelfCheck::Terms SelfCheck::terms(double u_px, double v_px) const {
@@ -95,12 +107,14 @@ void SelfCheck::add_vertical(double u_px, double v_px, double error_px) {
   fresh_information_.noalias() += weight * t * t.transpose();
   fresh_weighted_ += weight * error_px * t;
   ++fresh_;
+  seen_[place_of(u_px, v_px)] += 1.0;
 }
 
 void SelfCheck::update_vertical() {
   if (fresh_ == 0) return;
   information_ = (1.0 - kForget) * information_ + fresh_information_;
   weighted_ = (1.0 - kForget) * weighted_ + fresh_weighted_;
+  for (double& seen : seen_) seen *= 1.0 - kForget;
   const Terms solved = information_.ldlt().solve(weighted_);
   if (solved.allFinite()) vertical_ = solved;
   fresh_information_.setZero();
@@ -122,11 +136,17 @@ void SelfCheck::add_offset(double residual_px, double information) {
   const double most = std::max(kOffsetMostInnovation, std::abs(recent_px_));
   offset_px_ += gain * std::clamp(innovation, -most, most);
   offset_variance_ *= 1.0 - gain;
+  settled_px_ += kSettle * (offset_px_ - settled_px_);
 }
 
 double SelfCheck::offset_variance_px2() const {
   const double left = compensate_ ? 0.0 : offset_px_;
   return offset_variance_ + recent_px_ * recent_px_ + left * left;
+}
+
+double SelfCheck::unsettled() const {
+  const double trend = (offset_px_ - settled_px_) / kSettled;
+  return 1.0 + trend * trend;
 }
 
 double SelfCheck::vertical_error_px(double u_px, double v_px) const { return terms(u_px, v_px).dot(vertical_); }
@@ -146,10 +166,13 @@ CalibrationCheck SelfCheck::result() const {
   c.vertical_px = vertical_[0];
   c.vertical_across_px = vertical_[1] * model_.width / model_.fx_px;
   c.vertical_down_px = vertical_[2] * model_.height / model_.fy_px;
-  for (const double u : {0.0, model_.width - 1.0}) {
-    for (const double v : {0.0, model_.height - 1.0}) {
-      c.vertical_corner_px = std::max(c.vertical_corner_px, std::abs(vertical_error_px(u, v)));
-    }
+  double least = 0.0;
+  for (const double seen : seen_) least += kSeenShare / (kPlaces * kPlaces) * seen;
+  for (int k = 0; k < kPlaces * kPlaces; ++k) {
+    if (!(seen_[static_cast<std::size_t>(k)] > least)) continue;
+    const double u = (k % kPlaces + 0.5) * model_.width / kPlaces;
+    const double v = (k / kPlaces + 0.5) * model_.height / kPlaces;  // NOLINT(bugprone-integer-division): a row
+    c.vertical_most_px = std::max(c.vertical_most_px, std::abs(vertical_error_px(u, v)));
   }
   const TermsMatrix covariance = information_.ldlt().solve(TermsMatrix::Identity());
   c.vertical_sigma_px = std::sqrt(covariance(0, 0) + kVerticalFloor * kVerticalFloor);

@@ -4,6 +4,7 @@
 // residuals leave). Needs no target, no stop and no known scene.
 #pragma once
 
+#include <array>
 #include <string>
 
 #include <Eigen/Core>
@@ -17,11 +18,11 @@ namespace cliquevo::vo {
 struct CalibrationCheck {
   int frames = 0;  // that contributed
   // Row in the right image less row in the left one: at the principal point, and by how much it grows over the whole
-  // width and the whole height of the image; largest error in the four corners.
+  // width and the whole height of the image; the largest error in those parts of the image where features were seen.
   double vertical_px = 0.0;
   double vertical_across_px = 0.0;
   double vertical_down_px = 0.0;
-  double vertical_corner_px = 0.0;
+  double vertical_most_px = 0.0;
   double vertical_sigma_px = 0.0;
   // By how much disparities at the principal point are too large.
   double disparity_offset_px = 0.0;
@@ -59,13 +60,17 @@ class SelfCheck {
   double disparity_error_px(double u_px, double v_px) const;
   // How uncertain disparities remain as they are used.
   double offset_variance_px2() const;
+  // By how much a motion's covariance grows while the calibration is still being learned; 1 when it is settled.
+  double unsettled() const;
   CalibrationCheck result() const;
 
  private:
   static constexpr int kTerms = 6;  // 1, x, y, x y, x^2, y^2 in normalised image coordinates
   using Terms = Eigen::Matrix<double, kTerms, 1>;
   using TermsMatrix = Eigen::Matrix<double, kTerms, kTerms>;
+  static constexpr int kPlaces = 8;  // parts of the image, in each direction
   Terms terms(double u_px, double v_px) const;
+  std::size_t place_of(double u_px, double v_px) const;
 
   StereoModel model_;
   bool compensate_ = true;
@@ -77,7 +82,9 @@ class SelfCheck {
   int fresh_ = 0;
   double offset_px_ = 0.0;
   double offset_variance_ = 0.0;
-  double recent_px_ = 0.0;  // running mean of what remains after correction
+  double settled_px_ = 0.0;                       // running mean of the offset
+  std::array<double, kPlaces * kPlaces> seen_{};  // features of late
+  double recent_px_ = 0.0;                        // running mean of what remains after correction
   int frames_ = 0;
 };
 

@@ -46,7 +46,8 @@ struct ColumnSums {
   }
 };
 
-// Least-squares plane through the disparities around the feature.
+}  // namespace
+
 void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
   // All sums are whole numbers of sixteenths.
   constexpr int kColumns = 2 * kSlantRadius + 1;
@@ -89,8 +90,6 @@ void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
   f.disparity_dx = std::clamp((syy * sxd - sxy * syd) / determinant, -kMaxSlant, kMaxSlant);
   f.disparity_dy = std::clamp((sxx * syd - sxy * sxd) / determinant, -kMaxSlant, kMaxSlant);
 }
-
-}  // namespace
 
 Tracker::Tracker(const StereoModel& model, const VoParams& params) : model_(model), params_(params) {
   patch_.radius = params.refine_radius_px;
@@ -215,6 +214,8 @@ int Tracker::track(const Frame& reference, const Frame& current, const RigidTran
     o.uvd_cur = {fit.x, fit.y, d};
     o.reference = reference_index;
     o.feature = static_cast<int>(i);
+    o.change = 1.0F - fit.correlation;
+    o.difference = 1.0F - stereo.correlation;
     observations.push_back(o);
   }
   return looked_for;

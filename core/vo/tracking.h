@@ -14,6 +14,9 @@
 
 namespace cliquevo::vo {
 
+// Least-squares plane through the disparities around the feature: its slant.
+void measure_slant(ImageView<const std::int16_t> disparity, Feature& feature);
+
 class Tracker {
  public:
   Tracker(const StereoModel& model, const VoParams& params);

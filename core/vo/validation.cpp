@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/vo/validation.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cliquevo::vo {
@@ -26,6 +27,20 @@ double spread_ratio(const std::vector<Observation>& observations) {
   const double root = std::sqrt(std::max(0.0, half_trace * half_trace - (sxx * syy - sxy * sxy)));
   const double larger = half_trace + root;
   return larger > 0.0 ? std::max(0.0, half_trace - root) / larger : 0.0;
+}
+
+double excess_change(const std::vector<Observation>& observations, std::vector<float>& scratch) {
+  const auto median = [&](float Observation::*member) {
+    scratch.clear();
+    for (const Observation& o : observations) {
+      if (o.inlier && o.reference == 0) scratch.push_back(o.*member);
+    }
+    if (scratch.empty()) return 0.0;
+    const auto middle = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() / 2);
+    std::nth_element(scratch.begin(), middle, scratch.end());
+    return static_cast<double>(*middle);
+  };
+  return median(&Observation::change) - median(&Observation::difference);
 }
 
 Status validate(const Motion& motion, double eigenvalue_ratio, const VoParams& params) {

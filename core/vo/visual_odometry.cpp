@@ -27,6 +27,11 @@ const char* status_name(Status status) {
   return "unknown";
 }
 
+namespace {
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kTurn_rad_s = 0.25;  // what a vehicle that drove straight may do next
+}  // namespace
+
 struct VisualOdometry::Impl {
   Impl(const StereoModel& model_, const VoParams& params_)
       : model(model_),
@@ -91,7 +96,10 @@ void VisualOdometry::Impl::load(const FrameInput& input) {
   detector.detect(params.corner_image == CornerImage::filtered ? input.filtered_left : input.left, input.disparity,
                   mask.cview(), self_check.disparity_error_px(model.cx_px, model.cy_px), current->features);
   current->descriptors.extract(input.filtered_left, current->features, params.descriptor_window);
-  if (params.refine) tracker.refine_disparities(input.disparity, self_check, *current);
+  if (params.refine) {
+    tracker.refine_disparities(input.disparity, self_check, *current);
+    estimator.prepare(input.disparity, *current);
+  }
 }
 
 Frame* VisualOdometry::Impl::spare() {
@@ -135,9 +143,10 @@ void VisualOdometry::Impl::carry_on() {
   const Frame& last = failed != nullptr ? *failed : *valid;
   const RigidTransform step = params.after_failure == AfterFailure::hold ? RigidTransform{} : prediction(last);
   current->T_world_camera = (last.T_world_camera * step).normalized();
-  // As uncertain as if the vehicle had stopped, or gone twice as fast.
+  // As uncertain as if the vehicle had stopped, or gone twice as fast, or begun to turn.
+  const double elapsed_s = static_cast<double>(current->stamp_ns - last.stamp_ns) * 1e-9;
   const double moved = std::max(0.05, step.t.norm());
-  const double turned = std::max(0.01, step.angle());
+  const double turned = std::max({0.01, step.angle(), std::min(kPi, kTurn_rad_s * elapsed_s)});
   Vector6d variance;
   variance << Eigen::Vector3d::Constant(moved * moved), Eigen::Vector3d::Constant(turned * turned);
   if (failed == nullptr) guess_covariance.setZero();
@@ -189,10 +198,12 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     for (Frame* frame : {s.valid, s.key, s.failed}) {
       if (frame != nullptr && s.params.refine) s.tracker.compensate(s.self_check, *frame);
     }
-    Comparison c = s.estimator.compare(*reference, s.key, *s.current, s.prediction(*reference), s.self_check, e.times);
+    Comparison c = s.estimator.compare(*reference, s.key, *s.current, input.disparity, s.prediction(*reference),
+                                       s.self_check, e.times);
     if (c.status != Status::valid && s.failed != nullptr) {
       reference = s.failed;
-      c = s.estimator.compare(*reference, nullptr, *s.current, s.prediction(*reference), s.self_check, e.times);
+      c = s.estimator.compare(*reference, nullptr, *s.current, input.disparity, s.prediction(*reference), s.self_check,
+                              e.times);
     }
     e.status = c.status;
     e.matches = c.matches;
@@ -200,12 +211,15 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     e.inliers = c.motion.inliers;
     e.reprojection_error_px = c.motion.error_px;
     e.eigenvalue_ratio = c.eigenvalue_ratio;
+    e.contradiction = c.contradiction;
+    e.unsteadiness_px = c.unsteadiness_px;
     e.disparity_offset_px = c.motion.offset_px;
     e.disparity_offset_information = c.motion.offset_information;
     if (c.status == Status::valid) {
       if (s.params.refine) {
         s.self_check.add_offset(c.motion.offset_px, c.motion.offset_information);
         const Vector6d& change = c.motion.offset_sensitivity;
+        c.motion.covariance *= s.self_check.unsettled();
         c.motion.covariance += s.self_check.offset_variance_px2() * change * change.transpose();
       }
       s.accept(c, *reference);

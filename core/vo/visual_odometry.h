@@ -30,7 +30,7 @@ enum class Status : std::int8_t {
   too_few_features = 2,    // features, matches or clique too small
   degenerate = 3,          // spread of the inliers too one-sided to fix the motion
   reprojection_error = 4,  // the inliers do not agree on one motion
-  ambiguous = 5,           // a second motion is nearly as well supported
+  ambiguous = 5,           // a second motion is well supported, or much of the picture speaks against the one found
 };
 const char* status_name(Status status);
 
@@ -61,6 +61,10 @@ struct Estimate {
   int inliers = 0;                     // that the final solution rests on
   double reprojection_error_px = 0.0;  // RMS over the inliers
   double eigenvalue_ratio = 0.0;       // spread of the inliers in the image, 0 (a line) to 1 (round)
+  // What speaks against the motion even where all inliers agree: the share of the picture's cells whose texture is not
+  // where the motion puts it, and how much the picture changed more than two views of one moment differ.
+  double contradiction = 0.0;
+  double unsteadiness_px = 0.0;
   // What this frame alone says of an error common to all disparities, as compensated: how much too large, and the
   // inverse variance of that figure by noise alone (0: says nothing).
   double disparity_offset_px = 0.0;

@@ -43,6 +43,8 @@ Result<void> VoParams::check() const {
   if (!within(min_eigenvalue_ratio, 0.0, 1.0)) return out_of_range("min_eigenvalue_ratio", "0 to 1");
   if (!within(max_reprojection_error_px, 0.01, 10.0)) return out_of_range("max_reprojection_error_px", "0.01 to 10");
   if (!within(rival_share, 0.1, 1.0)) return out_of_range("rival_share", "0.1 to 1");
+  if (!within(max_contradiction, 0.01, 1.0)) return out_of_range("max_contradiction", "0.01 to 1");
+  if (!within(max_unsteadiness_px, 0.001, 10.0)) return out_of_range("max_unsteadiness_px", "0.001 to 10");
   return {};
 }
 

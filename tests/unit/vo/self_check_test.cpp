@@ -83,6 +83,25 @@ TEST(SelfCheck, CorrectsDisparitiesOnlyWhenTold) {
   EXPECT_NE(describe(check.result()).find("calibrate again"), std::string::npos);
 }
 
+TEST(SelfCheck, RowsAreJudgedWhereFeaturesWereSeen) {
+  SelfCheck check(kModel, {});
+  std::mt19937 rng(6);
+  std::uniform_real_distribution<double> u(100, 400), v(150, 300);
+  for (int frame = 0; frame < 100; ++frame) {
+    for (int i = 0; i < 80; ++i) {  // bends upward in the middle third, which says nothing of the corners
+      const double at_u = u(rng), at_v = v(rng);
+      const double x = (at_u - kModel.cx_px) / kModel.fx_px;
+      check.add_vertical(at_u, at_v, 3.0 * x * x);
+    }
+    check.update_vertical();
+  }
+  const double corner = check.vertical_error_px(0.0, 0.0);
+  const CalibrationCheck found = check.result();
+  EXPECT_GT(std::abs(corner), 0.5);
+  EXPECT_LT(found.vertical_most_px, 0.35);
+  EXPECT_FALSE(found.noticeable()) << describe(found);
+}
+
 TEST(SelfCheck, UnusableReadingsChangeNothing) {
   SelfCheck check(kModel, {});
   check.add_offset(std::nan(""), 100.0);

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "core/vo/support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "core/vo/tracking.h"
+
+namespace cliquevo::vo {
+
+namespace {
+
+constexpr int kCells = 120;            // at most, about
+constexpr int kLeastSide = 16;         // px, of a cell
+constexpr int kWitnessRadius = 7;      // half side of a patch: larger than a feature's, for dull ground
+constexpr int kIterations = 5;         // of the search: to a tenth of a pixel is enough
+constexpr int kAsked = 2;              // witnesses in a cell, at most
+constexpr double kNearby = 2.5;        // px, a patch found so near to its place agrees
+constexpr double kMinDisparity = 0.1;  // px (with doffs): beyond, depth means nothing
+constexpr double kMinDepth_m = 0.05;
+constexpr double kMostChange = 2.0;    // of a patch's area: seen too differently to compare
+constexpr double kSameDepth = 0.1;     // share of the disparity, and at least ...
+constexpr double kSameDepth_px = 1.5;  // ... this: farther off, something else is seen there
+// Correlations: of the two eyes' patches from which a witness is heard (what noise leaves of it is its own measure) ...
+constexpr float kSeenByBoth = 0.7F;
+constexpr float kAlike = 0.7F;   // ... with the patch of the other frame, as a share of that: agrees ...
+constexpr float kUnlike = 0.5F;  // ... or contradicts
+
+// Gradients around a place, in the direction in which there are fewer.
+int texture_at(ImageView<const std::uint8_t> image, int x, int y) {
+  int gx = 0, gy = 0;
+  for (int dy = -4; dy <= 4; dy += 2) {
+    const std::uint8_t* row = image.row(y + dy) + x;
+    for (int dx = -4; dx <= 4; dx += 2) {
+      gx += std::abs(row[dx + 1] - row[dx - 1]);
+      gy += std::abs(row[dx + image.stride] - row[dx - image.stride]);
+    }
+  }
+  return std::min(gx, gy);
+}
+
+}  // namespace
+
+Support::Support(const StereoModel& model) : model_(model) {
+  patch_.radius = kWitnessRadius;
+  patch_.iterations = kIterations;
+  patch_.max_residual = 255.0;  // correlation decides
+  patch_.max_shift_px = kNearby;
+  const double area = static_cast<double>(model.width) * model.height;
+  side_px_ = std::max(kLeastSide, static_cast<int>(std::ceil(std::sqrt(area / kCells))));
+  across_ = (model.width + side_px_ - 1) / side_px_;
+  down_ = (model.height + side_px_ - 1) / side_px_;
+  const std::size_t cells = static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_);
+  asked_.resize(cells);
+  votes_.resize(cells);
+}
+
+void Support::choose_witnesses(ImageView<const std::int16_t> disparity, Frame& frame) {
+  frame.witnesses.clear();
+  frame.witnesses.reserve(asked_.size());  // the first time only
+  std::fill(asked_.begin(), asked_.end(), 0);
+  for (const Feature& f : frame.features) asked_[cell_of(f.x, f.y)] = 1;
+  const ImageView<const std::uint8_t> image = frame.left.cview();
+  const int step = std::max(4, side_px_ / 8);
+  for (int top = 0; top < model_.height; top += side_px_) {
+    for (int left = 0; left < model_.width; left += side_px_) {
+      if (asked_[cell_of(left, top)] != 0) continue;
+      Feature best;
+      const int right = std::min(left + side_px_, model_.width - kFeatureMargin);
+      const int bottom = std::min(top + side_px_, model_.height - kFeatureMargin);
+      for (int y = std::max(top, kFeatureMargin); y < bottom; y += step) {
+        for (int x = std::max(left, kFeatureMargin); x < right; x += step) {
+          const std::int16_t d = disparity(x, y);
+          if (d == kUnknownDisparity) continue;
+          const int texture = texture_at(image, x, y);
+          if (texture <= best.score) continue;
+          best.x = x;
+          best.y = y;
+          best.score = texture;
+          best.disparity_px = d / static_cast<double>(kDisparityScale);
+        }
+      }
+      if (best.score == 0) continue;
+      best.raw_disparity_px = best.disparity_px;
+      measure_slant(disparity, best);
+      frame.witnesses.push_back(best);
+    }
+  }
+}
+
+Support::Vote Support::ask(const Feature& f, const Frame& reference, const Frame& current,
+                           ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref,
+                           const SelfCheck& check) const {
+  const double d = f.raw_disparity_px - check.disparity_error_px(f.x, f.y);
+  if (d + model_.doffs_px < kMinDisparity) return Vote::none;
+  const Eigen::Vector3d p = T_cur_ref * model_.triangulate(f.x, f.y, d);
+  if (p.z() < kMinDepth_m) return Vote::none;
+  const auto image_of = [&](const Eigen::Vector3d& q) {
+    return Eigen::Vector2d(model_.fx_px * q.x() / q.z() + model_.cx_px, model_.fy_px * q.y() / q.z() + model_.cy_px);
+  };
+  const Eigen::Vector2d uv = image_of(p);
+  const double reach = kWitnessRadius;
+  if (!(uv.x() >= reach + 4 && uv.y() >= reach + 4 && uv.x() < model_.width - reach - 4 &&
+        uv.y() < model_.height - reach - 4)) {
+    return Vote::none;
+  }
+  const double right_d = std::max(d + model_.doffs_px + reach * f.disparity_dx, kMinDisparity);
+  const double below_d = std::max(d + model_.doffs_px + reach * f.disparity_dy, kMinDisparity);
+  const Eigen::Vector3d right = T_cur_ref * model_.triangulate(f.x + reach, f.y, right_d - model_.doffs_px);
+  const Eigen::Vector3d below = T_cur_ref * model_.triangulate(f.x, f.y + reach, below_d - model_.doffs_px);
+  if (right.z() < kMinDepth_m || below.z() < kMinDepth_m) return Vote::none;
+  const Eigen::Vector2d ax = (image_of(right) - uv) / reach;
+  const Eigen::Vector2d ay = (image_of(below) - uv) / reach;
+  const double area = ax.x() * ay.y() - ax.y() * ay.x();
+  if (!(area > 1.0 / kMostChange && area < kMostChange)) return Vote::none;
+  // Hidden by something else, or not known: then the place says nothing.
+  const std::int16_t there = disparity(static_cast<int>(uv.x() + 0.5), static_cast<int>(uv.y() + 0.5));
+  if (there == kUnknownDisparity) return Vote::none;
+  const double expected = model_.fx_px * model_.baseline_m / p.z() - model_.doffs_px;
+  const double seen = there / static_cast<double>(kDisparityScale) - check.disparity_error_px(uv.x(), uv.y());
+  if (std::abs(seen - expected) > std::max(kSameDepth_px, kSameDepth * expected)) return Vote::none;
+  Template t;
+  if (!cut_template(reference.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch_.radius, t)) {
+    return Vote::none;
+  }
+  Warp warp;
+  warp.xx = static_cast<float>(ax.x());
+  warp.yx = static_cast<float>(ax.y());
+  warp.xy = static_cast<float>(ay.x());
+  warp.yy = static_cast<float>(ay.y());
+  const PatchFit moved = fit_patch(t, current.left.cview(), static_cast<float>(uv.x()), static_cast<float>(uv.y()),
+                                   warp, Freedom::both, patch_);
+  if (moved.correlation > kAlike) return Vote::agrees;
+  // Not found: but is it fit to be found at all?
+  warp = {};
+  warp.xx = static_cast<float>(1.0 - f.disparity_dx);
+  warp.xy = static_cast<float>(-f.disparity_dy);
+  const PatchFit both =
+      fit_patch(t, reference.right.cview(), static_cast<float>(f.x - f.raw_disparity_px),
+                static_cast<float>(f.y + check.vertical_error_px(f.x, f.y)), warp, Freedom::both, patch_);
+  if (both.correlation < kSeenByBoth) return Vote::none;
+  if (moved.correlation > kAlike * both.correlation) return Vote::agrees;
+  return moved.correlation < kUnlike * both.correlation ? Vote::contradicts : Vote::none;
+}
+
+CellVotes Support::count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,
+                         const RigidTransform& T_ref_cur, const SelfCheck& check,
+                         const std::vector<Observation>& observations) {
+  std::fill(votes_.begin(), votes_.end(), Vote::none);
+  for (const Observation& o : observations) {
+    if (o.reference != 0 || !o.inlier) continue;
+    const Feature& f = reference.features[static_cast<std::size_t>(o.feature)];
+    votes_[cell_of(f.x, f.y)] = Vote::agrees;
+  }
+  const RigidTransform T_cur_ref = T_ref_cur.inverse();
+  const auto hear = [&](const std::vector<Feature>& witnesses) {
+    for (const Feature& w : witnesses) {
+      const std::size_t cell = cell_of(w.x, w.y);
+      if (votes_[cell] == Vote::agrees || asked_[cell] >= kAsked) continue;
+      const Vote vote = ask(w, reference, current, disparity, T_cur_ref, check);
+      if (vote == Vote::none) continue;
+      ++asked_[cell];
+      votes_[cell] = std::max(votes_[cell], vote);
+    }
+  };
+  std::fill(asked_.begin(), asked_.end(), 0);
+  hear(reference.features);  // the best of each cell come first
+  hear(reference.witnesses);
+  CellVotes out;
+  out.cells = static_cast<int>(votes_.size());
+  for (const Vote v : votes_) {
+    out.agree += v == Vote::agrees ? 1 : 0;
+    out.contradict += v == Vote::contradicts ? 1 : 0;
+  }
+  return out;
+}
+
+}  // namespace cliquevo::vo

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Step A6 beyond the paper: does the picture as a whole move as the motion says? The clique knows only what matched. A
+// thing of high contrast before a dull ground gives all corners, all matches and a perfect clique, and yet most of the
+// world moves otherwise. So the image is divided into cells, and each with any texture of known depth is a witness.
+#pragma once
+
+#include <vector>
+
+#include "core/base/camera_model.h"
+#include "core/vo/frame.h"
+#include "core/vo/motion.h"
+#include "core/vo/patch.h"
+#include "core/vo/self_check.h"
+
+namespace cliquevo::vo {
+
+// Cells of the reference's image.
+struct CellVotes {
+  int agree = 0;       // something in it moved as the motion says
+  int cells = 0;       // in all
+  int contradict = 0;  // its texture is nowhere near where the motion puts it, though nothing hides that place
+  double coverage() const { return cells > 0 ? static_cast<double>(agree) / cells : 0.0; }
+  double share() const { return agree + contradict > 0 ? static_cast<double>(contradict) / (agree + contradict) : 0.0; }
+};
+
+class Support {
+ public:
+  explicit Support(const StereoModel& model);
+
+  // The best textured place of known depth in each cell that has no feature.
+  void choose_witnesses(ImageView<const std::int16_t> disparity, Frame& frame);
+  // `observations`: of the reference (index 0), judged. `disparity`: of the current frame.
+  CellVotes count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,
+                  const RigidTransform& T_ref_cur, const SelfCheck& check,
+                  const std::vector<Observation>& observations);
+
+ private:
+  enum class Vote : std::uint8_t { none, contradicts, agrees };
+  Vote ask(const Feature& witness, const Frame& reference, const Frame& current,
+           ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref, const SelfCheck& check) const;
+  std::size_t cell_of(int x, int y) const {
+    return static_cast<std::size_t>(y / side_px_) * static_cast<std::size_t>(across_) +
+           static_cast<std::size_t>(x / side_px_);
+  }
+
+  StereoModel model_;
+  PatchParams patch_;
+  int side_px_ = 0;  // of a cell
+  int across_ = 0;   // cells
+  int down_ = 0;
+  std::vector<std::uint8_t> asked_;  // a cell each
+  std::vector<Vote> votes_;
+};
+
+}  // namespace cliquevo::vo

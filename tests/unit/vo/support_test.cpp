@@ -1,0 +1,116 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A motion on which all inliers agree and which the picture contradicts is reported, not published.
+#include "core/vo/support.h"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/vo/validation.h"
+#include "core/vo/visual_odometry.h"
+
+namespace cliquevo::vo {
+namespace {
+
+const StereoModel kModel{320, 240, 300.0, 300.0, 159.5, 119.5, 0.2, 0.0};
+
+// A thing of high contrast in the rows above `split`, dull ground below; each goes sideways as it likes.
+class Scene {
+ public:
+  Scene() {
+    std::mt19937 rng(5);
+    std::uniform_real_distribution<double> frequency(-0.6, 0.6), phase(0.0, 6.28);
+    for (auto& w : waves_) w = {frequency(rng), frequency(rng), phase(rng)};
+  }
+
+  // Processes the view from `ground_m` beside the ground and `thing_m` beside the thing.
+  const Estimate& show(VisualOdometry& vo, int frame, int split, double ground_m, double thing_m) {
+    for (auto* image : {&left_, &right_, &filtered_}) image->resize(kModel.width, kModel.height);
+    disparity_.resize(kModel.width, kModel.height);
+    for (int y = 0; y < kModel.height; ++y) {
+      const bool thing = y < split;
+      const double d = thing ? 8.0 : 20.0;
+      const double shift = (thing ? thing_m : ground_m) * kModel.fx_px / kModel.depth_m(d);
+      for (int x = 0; x < kModel.width; ++x) {
+        left_.view()(x, y) = grey(x + shift, y, thing);
+        right_.view()(x, y) = grey(x + shift + d, y, thing);
+        filtered_.view()(x, y) = static_cast<std::uint8_t>(left_.view()(x, y) / 4);
+        disparity_.view()(x, y) = static_cast<std::int16_t>(d * kDisparityScale);
+      }
+    }
+    const FrameInput input{frame * 100'000'000LL, left_.cview(), right_.cview(), filtered_.cview(), disparity_.cview()};
+    EXPECT_TRUE(vo.process(input).ok());
+    return vo.estimate();
+  }
+
+ private:
+  struct Wave {
+    double fx, fy, phase;
+  };
+  std::uint8_t grey(double u, double v, bool thing) const {
+    double sum = 0.0;
+    for (const Wave& w : waves_) sum += std::sin(w.fx * u + w.fy * v + w.phase + (thing ? 0.0 : 1.0));
+    return static_cast<std::uint8_t>(std::lround(std::clamp(110.0 + (thing ? 22.0 : 2.0) * sum, 0.0, 255.0)));
+  }
+  Wave waves_[14];
+  Image<std::uint8_t> left_, right_, filtered_;
+  Image<std::int16_t> disparity_;
+};
+
+VisualOdometry make() {
+  auto made = VisualOdometry::make(kModel, {});
+  EXPECT_TRUE(made.ok());
+  return std::move(*made);
+}
+
+TEST(Support, AThingThatHasAllTheCornersIsNotTheWorld) {
+  Scene scene;
+  VisualOdometry vo = make();
+  scene.show(vo, 0, 160, 0.0, 0.0);
+  for (int i = 1; i < 6; ++i) {
+    const Estimate& e = scene.show(vo, i, 160, 0.1 * i, 0.01 * i);
+    EXPECT_EQ(e.status, Status::ambiguous) << status_name(e.status) << " in frame " << i;
+    EXPECT_GT(e.contradiction, 0.2);
+  }
+}
+
+TEST(Support, DullGroundThatMovesLikewiseAgrees) {
+  Scene scene;
+  VisualOdometry vo = make();
+  scene.show(vo, 0, 160, 0.0, 0.0);
+  for (int i = 1; i < 6; ++i) {
+    const Estimate& e = scene.show(vo, i, 160, 0.01 * i, 0.01 * i);
+    EXPECT_EQ(e.status, Status::valid) << status_name(e.status) << " in frame " << i;
+    EXPECT_LT(e.contradiction, 0.02);
+    EXPECT_NEAR(e.T_world_camera.t.x(), 0.01 * i, 0.002);
+  }
+}
+
+TEST(Support, ASmallThingDoesNotSpoilTheMotion) {
+  Scene scene;
+  VisualOdometry vo = make();
+  scene.show(vo, 0, 222, 0.0, 0.0);  // here the larger part is the world
+  for (int i = 1; i < 6; ++i) {
+    const Estimate& e = scene.show(vo, i, 222, 0.08 * i, 0.01 * i);
+    EXPECT_EQ(e.status, Status::valid) << status_name(e.status) << " in frame " << i;
+    EXPECT_NEAR(e.T_world_camera.t.x(), 0.01 * i, 0.002);
+  }
+}
+
+TEST(Support, SurfacesThatChangeMoreInTimeThanBetweenTheEyesAreTold) {
+  std::vector<Observation> observations(9);
+  std::vector<float> scratch;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    observations[i].change = 0.1F + 0.001F * static_cast<float>(i);
+    observations[i].difference = 0.02F;
+  }
+  EXPECT_NEAR(excess_change(observations, scratch), 0.084, 1e-6);
+  for (Observation& o : observations) o.inlier = false;
+  EXPECT_EQ(excess_change(observations, scratch), 0.0);
+}
+
+}  // namespace
+}  // namespace cliquevo::vo
