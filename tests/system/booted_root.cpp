@@ -92,10 +92,9 @@ std::unique_ptr<BootedRoot> BootedRoot::boot(bool without_route) {
     const std::string state = self->run({"systemctl", "is-system-running"}).out;
     if (state != "running\n" && state != "degraded\n") continue;
     if (without_route) return self;
-    for (const std::vector<std::string>& command :
-         {std::vector<std::string>{"ip", "link", "set", "lo", "multicast", "on"},
-          {"ip", "route", "add", "224.0.0.0/4", "dev", "lo"}}) {
-      if (test::run(self->in_its_network(command)).exit_code != 0) return nullptr;
+    for (const std::vector<std::string>& step : {std::vector<std::string>{"ip", "link", "set", "lo", "multicast", "on"},
+                                                 {"ip", "route", "add", "224.0.0.0/4", "dev", "lo"}}) {
+      if (test::run(self->in_its_network(step)).exit_code != 0) return nullptr;
     }
     return self;
   }
