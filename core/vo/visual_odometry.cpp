@@ -29,6 +29,7 @@ const char* status_name(Status status) {
 
 namespace {
 constexpr double kPi = 3.14159265358979323846;
+constexpr double kSpeed_m_s = 5.0;    // of a vehicle of which nothing is known yet
 constexpr double kTurn_rad_s = 0.25;  // what a vehicle that drove straight may do next
 }  // namespace
 
@@ -145,7 +146,8 @@ void VisualOdometry::Impl::carry_on() {
   current->T_world_camera = (last.T_world_camera * step).normalized();
   // As uncertain as if the vehicle had stopped, or gone twice as fast, or begun to turn.
   const double elapsed_s = static_cast<double>(current->stamp_ns - last.stamp_ns) * 1e-9;
-  const double moved = std::max(0.05, step.t.norm());
+  const double unknown = velocity_ns > 0 ? 0.0 : kSpeed_m_s * elapsed_s;
+  const double moved = std::max({0.05, step.t.norm(), unknown});
   const double turned = std::max({0.01, step.angle(), std::min(kPi, kTurn_rad_s * elapsed_s)});
   Vector6d variance;
   variance << Eigen::Vector3d::Constant(moved * moved), Eigen::Vector3d::Constant(turned * turned);
