@@ -108,7 +108,7 @@ BootedRoot::~BootedRoot() {
 }
 
 Finished BootedRoot::run(const std::vector<std::string>& command) const {
-  std::vector<std::string> all{"nsenter", "-t", enter_, "-m", "-p", "-n", "-u", "-i", "-C"};
+  std::vector<std::string> all{"nsenter", "-t", enter_, "-m", "-p", "-n", "-u", "-i", "-C", "-r", "-w"};
   all.insert(all.end(), command.begin(), command.end());
   return test::run(all);
 }
