@@ -98,6 +98,9 @@ void add_hil_command(CLI::App& app, int& exit_code) {
   hil->add_option("--left-address", options.left_address, "Of an interface of this machine (default 127.0.0.1)")
       ->type_name("IP");
   hil->add_option("--right-address", options.right_address, "Another one (default 127.0.0.2)")->type_name("IP");
+  hil->add_option("--left-serial", options.left_serial, "Serial number (default HIL-LEFT): two rigs need two each")
+      ->type_name("NAME");
+  hil->add_option("--right-serial", options.right_serial, "Serial number (default HIL-RIGHT)")->type_name("NAME");
   hil->add_flag("--pingpong", options.pingpong, "Forward, backward, forward ... without end");
   hil->add_option("--loss", options.loss, "Share of the packets that get lost")
       ->check(CLI::Range(0.0, 1.0))

@@ -379,7 +379,8 @@ TEST(AravisHil, FormatsAndSizesThatDoNotFitAreToldInOneLine) {
   // A second rig of another size: one eye of each.
   test::Subprocess other({test::binary("cliquevo"), "hil",
                           "sim:width=160,height=120,focal_px=175,frames=2,cache_dir=none", "--pingpong",
-                          "--left-address", "127.0.0.3", "--right-address", "127.0.0.4"});
+                          "--left-address", "127.0.0.3", "--right-address", "127.0.0.4", "--left-serial", "OTHER-LEFT",
+                          "--right-serial", "OTHER-RIGHT"});
   options = camera_options(course, 10.0);
   options.left = "127.0.0.1";
   options.right = "127.0.0.4";
