@@ -143,6 +143,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("odometry.rival_share", odometry.rival_share);
   v.key("odometry.max_contradiction", odometry.max_contradiction);
   v.key("odometry.max_unsteadiness_px", odometry.max_unsteadiness_px);
+  v.key("odometry.min_mover_points", odometry.min_mover_points);
   v.choice("odometry.after_failure", odometry.after_failure,
            {{"hold", vo::AfterFailure::hold}, {"constant_velocity", vo::AfterFailure::constant_velocity}});
 
@@ -153,6 +154,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("lcm.delta_body_channel", c.lcm.delta_body_channel);
   v.key("lcm.images_channel", c.lcm.images_channel);
   v.key("lcm.images_rate_hz", c.lcm.images_rate_hz);
+  v.key("lcm.movers_channel", c.lcm.movers_channel);
   v.key("lcm.health_channel", c.lcm.health_channel);
   v.key("lcm.command_channel", c.lcm.command_channel);
 

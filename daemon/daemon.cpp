@@ -70,6 +70,7 @@ struct Output {
   ImageTap tap;
   std::optional<TrajectorySink> trajectory;
   SentCounts sent;
+  Findings findings;
 
   void operator()(const PublishedFrame& frame) {
     bool taken = publisher.publish(frame);
@@ -80,6 +81,7 @@ struct Output {
     if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
       spdlog::warn("LCM does not take messages: further ones are only counted");
     }
+    findings.take(frame.estimate);
     if (frame.estimate.status == vo::Status::valid) sent.valid.fetch_add(1, std::memory_order_relaxed);
     if (trajectory) trajectory->append(frame.estimate.stamp_ns, frame.estimate.T_world_camera);
   }
@@ -146,10 +148,25 @@ void reload(const DaemonOptions& options, Config& in_force) {
   spdlog::info("configuration read again");
 }
 
+// What the user should know of the rig, once each.
+class Advice {
+ public:
+  void give(const Findings& findings) {
+    const auto [calibration, vehicle_part] = findings.read();
+    if (calibration.noticeable() && !std::exchange(calibration_told_, true)) spdlog::warn(vo::describe(calibration));
+    if (vehicle_part.frames > 0 && !std::exchange(view_told_, true)) spdlog::warn(vo::describe(vehicle_part));
+  }
+
+ private:
+  bool calibration_told_ = false;
+  bool view_told_ = false;
+};
+
 // Feeds the watchdog, reports, and waits for the end of the source or a signal to stop.
 void watch(Pipeline& pipeline, Output& output, Recording& recording, const Signals& signals, Service& service,
            const std::string& source, const std::function<void()>& on_hangup) {
-  Health health(pipeline, output.sent, source);
+  Health health(pipeline, output.sent, output.findings, source);
+  Advice advice;
   std::int64_t next_report_ns = monotonic_ns() + kSecondNs;
   while (!pipeline.wait_finished(0)) {
     const int signal = signals.wait(kTickNs);
@@ -167,6 +184,7 @@ void watch(Pipeline& pipeline, Output& output, Recording& recording, const Signa
     if (now_ns >= next_report_ns) {
       next_report_ns += kSecondNs * (1 + (now_ns - next_report_ns) / kSecondNs);
       output.publisher.publish(health.update(now_ns, recording.status()));
+      advice.give(output.findings);
       service.status(health.status_text());
       spdlog::debug(health.status_text());
     }
@@ -215,6 +233,7 @@ int run(const DaemonOptions& options) {
   Output output{std::move(**publisher),
                 {model.width, model.height, config->lcm.images_channel.empty() ? 0.0 : config->lcm.images_rate_hz},
                 std::nullopt,
+                {},
                 {}};
   if (!options.trajectory.empty()) {
     auto trajectory = TrajectorySink::open(options.trajectory);
@@ -243,6 +262,9 @@ int run(const DaemonOptions& options) {
     return done;
   };
   work.estimate = [&shop]() -> const vo::Estimate& { return shop.odometry.estimate(); };
+  if (!config->lcm.movers_channel.empty()) {
+    work.movers = [&shop]() -> const vo::Movers& { return shop.odometry.movers(); };
+  }
   work.reset = [&shop] { shop.odometry.reset(); };
   work.output = [&output](const PublishedFrame& frame) { output(frame); };
   PipelineOptions pipeline_options;

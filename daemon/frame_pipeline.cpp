@@ -34,6 +34,7 @@ Result<void> FramePipeline::process(const drivers::StereoPair& pair) {
 }
 
 const vo::Estimate& FramePipeline::estimate() const { return impl_->odometry.estimate(); }
+const vo::Movers& FramePipeline::movers() const { return impl_->odometry.movers(); }
 const StageTimes& FramePipeline::times() const { return impl_->frame.times; }
 const StereoModel& FramePipeline::model() const { return impl_->stereo.model(); }
 ImageView<const std::uint8_t> FramePipeline::rectified_left() const { return impl_->frame.left.cview(); }

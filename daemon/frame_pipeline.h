@@ -29,6 +29,7 @@ class FramePipeline {
   // frames.
   Result<void> process(const drivers::StereoPair& pair);
   const vo::Estimate& estimate() const;
+  const vo::Movers& movers() const;
   const StageTimes& times() const;
   const StereoModel& model() const;
   // Of the last frame, valid until the next process().

@@ -28,9 +28,11 @@ double rate(std::int64_t count, std::int64_t span_ns) {
 
 }  // namespace
 
-Health::Health(const Pipeline& pipeline, const SentCounts& sent, std::string source_description)
+Health::Health(const Pipeline& pipeline, const SentCounts& sent, const Findings& findings,
+               std::string source_description)
     : pipeline_(pipeline),
       sent_(sent),
+      findings_(findings),
       source_(std::move(source_description)),
       start_ns_(monotonic_ns()),
       last_update_ns_(start_ns_),
@@ -90,6 +92,17 @@ void Health::fill_latencies(health_t& out) {
   out.num_stages = static_cast<std::int32_t>(out.stage_name.size());
 }
 
+void Health::fill_findings(health_t& out) const {
+  const auto [calibration, vehicle_part] = findings_.read();
+  out.calibration_text = vo::describe(calibration);
+  out.view_text = vo::describe(vehicle_part);
+  const bool known = calibration.frames > 0;
+  for (int i = 0; i < 3; ++i) {
+    out.right_eye_deg[i] = known ? calibration.rotation_deg[i] : 0.0;
+    out.right_eye_sigma_deg[i] = known ? calibration.rotation_sigma_deg[i] : 0.0;
+  }
+}
+
 const health_t& Health::update(std::int64_t now_mono_ns, const std::string& recording) {
   const PipelineCounts counts = pipeline_.counts();
   const std::int64_t valid = sent_.valid.load(std::memory_order_relaxed);
@@ -118,6 +131,7 @@ const health_t& Health::update(std::int64_t now_mono_ns, const std::string& reco
   out.send_errors = sent_.send_errors.load(std::memory_order_relaxed) + counts.unsent;
   out.resets = counts.resets;
   fill_latencies(out);
+  fill_findings(out);
   out.resident_bytes = resident_bytes();
   out.temperature_name.clear();
   out.temperature_c.clear();

@@ -159,6 +159,55 @@ void MessageBuilder::build_status(const PublishedFrame& frame, TimestampNs publi
   out.odometry_end_utime = stamp_us(frame.stamps.odometry_end_ns);
   out.dropped = frame.dropped;
   out.resets = frame.resets;
+  const vo::CalibrationCheck& c = e.calibration;
+  const auto told = [&c](double value) { return c.frames > 0 && std::isfinite(value) ? value : 0.0; };
+  out.disparity_offset_px = told(c.disparity_offset_px);
+  out.disparity_offset_sigma_px = told(c.disparity_offset_sigma_px);
+  out.vertical_px = told(c.vertical_px);
+  out.vertical_sigma_px = told(c.vertical_sigma_px);
+  out.calibration_off = c.noticeable() ? 1 : 0;
+  out.vehicle_in_view = e.vehicle_part.frames > 0 ? 1 : 0;
+}
+
+namespace {
+
+bool finite(const vo::Mover& m) {
+  return usable(m.T_prev_cur) && m.covariance.allFinite() && m.centre.allFinite() && m.velocity_m_s.allFinite() &&
+         std::isfinite(m.reprojection_error_px);
+}
+
+void build_mover(const vo::Mover& m, mover_t& out) {
+  out.id = m.id;
+  out.frames = m.frames;
+  out.of_vehicle = m.of_vehicle ? 1 : 0;
+  put(m.centre, out.centre);
+  put(m.velocity_m_s, out.velocity);
+  put(m.T_prev_cur.t, out.translation);
+  put(m.T_prev_cur.R, out.rotation);
+  put(m.covariance, out.covariance);
+  out.reprojection_error_px = m.reprojection_error_px;
+  out.inliers = m.inliers;
+  out.num_points = m.points;
+  out.pixel.clear();
+  out.point.clear();
+  for (int i = 0; i < m.points; ++i) {
+    const vo::MoverPoint& p = m.point[static_cast<std::size_t>(i)];
+    out.pixel.push_back({p.x_px, p.y_px});
+    out.point.push_back({p.point.x(), p.point.y(), p.point.z()});
+  }
+}
+
+}  // namespace
+
+void build_movers(const vo::Movers& movers, movers_t& out) {
+  out.utime = floor_us(movers.stamp_ns);
+  out.prev_utime = floor_us(movers.prev_stamp_ns);
+  out.num_movers = 0;
+  out.movers.resize(vo::kMostMovers);  // their memory is kept
+  for (int i = 0; i < movers.count; ++i) {
+    const vo::Mover& m = movers.mover[static_cast<std::size_t>(i)];
+    if (finite(m)) build_mover(m, out.movers[static_cast<std::size_t>(out.num_movers++)]);
+  }
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include <cliquevo/images_t.hpp>
+#include <cliquevo/movers_t.hpp>
 #include <cliquevo/pose_t.hpp>
 #include <cliquevo/status_t.hpp>
 #include <cliquevo/update_t.hpp>
@@ -34,6 +35,9 @@ struct FrameMessages {
 
 // Left image and disparity as VO_IMAGES sends them. Allocates the first time only.
 void build_images(const TappedImages& images, images_t& out);
+
+// What moves by itself as VO_MOVERS sends it; a thing with a number that is not finite is left out.
+void build_movers(const vo::Movers& movers, movers_t& out);
 
 class MessageBuilder {
  public:

@@ -250,6 +250,7 @@ void Pipeline::Impl::send_on(FrameSlot& slot) {
   Outgoing out;
   out.frame.index = slot.pair.index;
   out.frame.estimate = work.estimate();
+  if (work.movers) out.frame.movers = work.movers();
   out.frame.times = slot.frame.times;
   out.frame.stamps = slot.stamps;
   out.frame.dropped = total_dropped();

@@ -33,6 +33,7 @@ struct PipelineWork {
   std::function<Result<void>(FrameSlot&)> stereo;     // stereo thread
   std::function<Result<void>(FrameSlot&)> odometry;   // odometry thread
   std::function<const vo::Estimate&()> estimate;      // odometry thread, after odometry()
+  std::function<const vo::Movers&()> movers;          // likewise; may be empty
   std::function<void()> reset;                        // odometry thread: forget all frames
   std::function<void(const PublishedFrame&)> output;  // output thread
 };

@@ -26,6 +26,7 @@ struct PublishedFrame {
   std::int64_t dropped = 0;  // frames skipped so far
   std::int32_t resets = 0;   // rises with every pose reset
   FrameStamps stamps;
+  vo::Movers movers;
 };
 
 }  // namespace cliquevo::daemon

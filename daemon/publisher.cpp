@@ -4,6 +4,7 @@
 #include <vector>
 
 #include <cliquevo/images_t.hpp>
+#include <cliquevo/movers_t.hpp>
 #include <lcm/lcm-cpp.hpp>
 
 #include "daemon/clock.h"
@@ -22,6 +23,8 @@ template <typename Message>
 class Channel {
  public:
   explicit Channel(std::string name) : name_(std::move(name)) {}
+
+  bool on() const { return !name_.empty(); }
 
   // true also for a channel without a name: it is switched off.
   bool send(lcm::LCM& lcm, const Publisher::Copy& copy, const Message& message) {
@@ -53,6 +56,7 @@ struct Publisher::Impl {
         pose(config.pose_channel),
         status(config.status_channel),
         delta_body(config.delta_body_channel),
+        movers(config.movers_channel),
         images(config.images_channel),
         health(config.health_channel) {}
 
@@ -64,6 +68,8 @@ struct Publisher::Impl {
   Channel<pose_t> pose;
   Channel<status_t> status;
   Channel<update_t> delta_body;
+  Channel<movers_t> movers;
+  movers_t movers_message{};
   Channel<images_t> images;
   images_t images_message;
   Channel<health_t> health;
@@ -94,7 +100,9 @@ bool Publisher::publish(const PublishedFrame& frame) {
   const bool pose_sent = m.pose.send(m.lcm, m.copy, m.messages.pose);
   const bool status_sent = m.status.send(m.lcm, m.copy, m.messages.status);
   const bool delta_body_sent = m.delta_body.send(m.lcm, m.copy, m.messages.delta_body);
-  return delta_sent && pose_sent && status_sent && delta_body_sent;
+  if (m.movers.on()) build_movers(frame.movers, m.movers_message);
+  const bool movers_sent = m.movers.send(m.lcm, m.copy, m.movers_message);
+  return delta_sent && pose_sent && status_sent && delta_body_sent && movers_sent;
 }
 
 bool Publisher::publish(const TappedImages& images) {

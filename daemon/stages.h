@@ -48,6 +48,7 @@ class OdometryStage {
   // As vo::VisualOdometry::process(). No allocation after the first frames.
   Result<void> run(TimestampNs stamp_ns, StereoFrame& frame);
   const vo::Estimate& estimate() const { return odometry_.estimate(); }
+  const vo::Movers& movers() const { return odometry_.movers(); }
   void reset() { odometry_.reset(); }
 
  private:

@@ -41,9 +41,14 @@ class Pace {
 };
 
 // What happens with a processed frame.
-Result<void> hand_out(const FrameRecord& record, ReplayOutputs& outputs, bool& warned) {
+Result<void> hand_out(const FrameRecord& record, const vo::Movers& movers, ReplayOutputs& outputs, bool& warned) {
   if (outputs.publisher) {
-    const bool sent = outputs.publisher->publish({record.index, record.estimate, record.times, 0, 0, {}});
+    daemon::PublishedFrame frame;
+    frame.index = record.index;
+    frame.estimate = record.estimate;
+    frame.times = record.times;
+    frame.movers = movers;
+    const bool sent = outputs.publisher->publish(frame);
     if (!sent && !warned) {
       warned = true;
       warn({"cannot send over LCM", fmt::format("frame {}", record.index), "the replay goes on; check the route"});
@@ -97,7 +102,7 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
       record.truth_T_world_camera = *T_first_world * *pair.truth_T_world_camera;
     }
     log.add(record);
-    if (auto done = hand_out(record, outputs, warned); !done) error = done.error();
+    if (auto done = hand_out(record, pipeline.movers(), outputs, warned); !done) error = done.error();
     progress.update(static_cast<std::int64_t>(log.frames().size()), log.distance_m(),
                     vo::status_name(record.estimate.status));
   }

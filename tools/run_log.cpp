@@ -135,6 +135,14 @@ std::string reference_text(const RunReference& reference) {
   return out + fmt::format("ATE {:.4f} m\n", e.ate_m);
 }
 
+json vehicle_part_json(const vo::VehiclePart& v) {
+  return {{"frames", v.frames},
+          {"left_px", v.left_px},
+          {"top_px", v.top_px},
+          {"right_px", v.right_px},
+          {"bottom_px", v.bottom_px}};
+}
+
 }  // namespace
 
 Spread spread_of(std::vector<double> values) {
@@ -180,7 +188,11 @@ std::string RunLog::summary(double wall_s, const std::optional<RunReference>& re
         "\ninliers      median {:.0f}, least {:.0f}; reprojection error median {:.3f} px, most {:.3f} px",
         spread_of(inliers).median, *std::min_element(inliers.begin(), inliers.end()), error.median, error.max);
   }
-  if (!frames_.empty()) out += "\nself-check   " + vo::describe(frames_.back().estimate.calibration);
+  if (!frames_.empty()) {
+    const vo::Estimate& last = frames_.back().estimate;
+    out += "\nself-check   " + vo::describe(last.calibration);
+    if (last.vehicle_part.frames > 0) out += "\nview         " + vo::describe(last.vehicle_part);
+  }
   out += "\ntime a frame    median       95 %        max\n";
   for (const Stage& stage : kStages) {
     const Spread s = spread_of(times_ms(frames_, stage));
@@ -216,7 +228,10 @@ std::string RunLog::stats_json(const drivers::SourceInfo& source, const StereoMo
                 {"times_ms", std::move(times)}}},
               {"frames", json::array()}};
   if (reference && reference->pairs.size() >= 2) out["reference"] = reference_json(*reference);
-  if (!frames_.empty()) out["calibration"] = calibration_json(frames_.back().estimate.calibration);
+  if (!frames_.empty()) {
+    out["calibration"] = calibration_json(frames_.back().estimate.calibration);
+    out["vehicle_part"] = vehicle_part_json(frames_.back().estimate.vehicle_part);
+  }
   for (const FrameRecord& frame : frames_) out["frames"].push_back(frame_json(frame));
   // Paths need not be UTF-8; the file must be.
   return out.dump(-1, ' ', false, json::error_handler_t::replace) + "\n";

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
-
 #include "core/vo/validation.h"
 
 namespace cliquevo::vo {
@@ -21,15 +19,7 @@ constexpr double kVarianceFactor = 1.5;
 // Errors that neighbours share (of the calibration, of a surface) do not average out where all inliers come from one
 // part of the picture: below this share of its cells the covariance grows in proportion.
 constexpr double kFullCoverage = 0.5;
-constexpr double kApartSigmas = 5.0;  // two motions farther apart are two
-
-Observation observation(const Feature& ref, const Feature& cur, int index) {
-  Observation o;
-  o.uvd_ref = {static_cast<double>(ref.x), static_cast<double>(ref.y), ref.disparity_px};
-  o.uvd_cur = {static_cast<double>(cur.x), static_cast<double>(cur.y), cur.disparity_px};
-  o.feature = index;
-  return o;
-}
+constexpr std::size_t kMostOthers = 8;
 
 }  // namespace
 
@@ -40,13 +30,13 @@ Estimator::Estimator(const StereoModel& model, const VoParams& params)
       clique_finder_(model, params),
       solver_(model, params),
       tracker_(model, params),
-      support_(model) {
+      support_(model),
+      other_finder_(params),
+      others_(kMostOthers, static_cast<std::size_t>(params.max_features)) {
   const std::size_t n = static_cast<std::size_t>(params.max_features);
   matches_.reserve(n);
   pairs_.reserve(n);
   clique_.reserve(n);
-  rival_.reserve(n);
-  unexplained_.reserve(n);
   observations_.reserve(2 * n);
   references_.reserve(2);
   changes_.reserve(2 * n);
@@ -92,48 +82,24 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, const
 void Estimator::observe(const Frame& reference, const Frame& current, const std::vector<int>& members) {
   observations_.clear();
   for (const int i : members) {
-    const Match& m = matches_[static_cast<std::size_t>(i)];
-    observations_.push_back(observation(reference.features[static_cast<std::size_t>(m.a)],
-                                        current.features[static_cast<std::size_t>(m.b)], m.a));
+    observations_.push_back(observe_match(reference, current, matches_[static_cast<std::size_t>(i)]));
   }
 }
 
-// A second motion, plainly another one, that a good share as many matches support: which of the two is the world's?
-// Looked for among the matches that the first one does not explain.
-bool Estimator::rivalled(const Frame& reference, const Frame& current, const Comparison& comparison) {
-  references_.assign(1, RigidTransform{});
-  observations_.clear();
-  for (const Match& m : matches_) {
-    observations_.push_back(observation(reference.features[static_cast<std::size_t>(m.a)],
-                                        current.features[static_cast<std::size_t>(m.b)], m.a));
-  }
-  solver_.judge(observations_, references_, comparison.motion.T_prev_cur, params_.match_sigma_px,
-                params_.match_disparity_sigma_px);
-  unexplained_.clear();
-  for (std::size_t i = 0; i < observations_.size(); ++i) {
-    if (!observations_[i].inlier) unexplained_.push_back(static_cast<int>(i));
-  }
-  const int explained = static_cast<int>(observations_.size() - unexplained_.size());
+// A second motion that a good share as many matches support: which of the two is the world's?
+bool Estimator::rivalled(int explained) const {
   const int enough = std::max(params_.min_inliers, static_cast<int>(std::ceil(params_.rival_share * explained)));
-  if (static_cast<int>(unexplained_.size()) < enough) return false;
-  clique_finder_.among(static_cast<int>(pairs_.size()), unexplained_, rival_);
-  RigidTransform start;
-  if (static_cast<int>(rival_.size()) < enough || !align_points(pairs_, rival_, start)) {
-    return false;
+  for (std::size_t i = 0; i < others_.size(); ++i) {
+    if (others_[i].clique >= enough && others_[i].motion.inliers >= enough) return true;
   }
-  observe(reference, current, rival_);
-  const Motion rival =
-      solver_.solve(observations_, references_, start, params_.match_sigma_px, params_.match_disparity_sigma_px);
-  if (!rival.converged || rival.inliers < enough) return false;
-  const Vector6d apart = left_difference(comparison.motion.T_prev_cur, rival.T_prev_cur);
-  const Matrix6d covariance = comparison.motion.covariance + rival.covariance;
-  return apart.dot(covariance.ldlt().solve(apart)) > kApartSigmas * kApartSigmas;
+  return false;
 }
 
 Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current,
                               ImageView<const std::int16_t> disparity, const RigidTransform& predicted,
                               const SelfCheck& check, StepTimes& times) {
   Comparison out;
+  others_.clear();
   const bool started = first_motion(reference, current, predicted, out, times);
   const std::int64_t start_ns = monotonic_ns();
   if (!started) {
@@ -173,7 +139,11 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
       out.status = Status::ambiguous;
     }
   }
-  if (out.status == Status::valid && rivalled(reference, current, out)) out.status = Status::ambiguous;
+  if (out.status == Status::valid || out.status == Status::ambiguous) {
+    const int explained =
+        other_finder_.find(reference, current, matches_, pairs_, out.motion, clique_finder_, solver_, others_);
+    if (rivalled(explained)) out.status = Status::ambiguous;
+  }
   times.motion_ns += monotonic_ns() - start_ns;
   return out;
 }

@@ -8,6 +8,7 @@
 #include "core/vo/frame.h"
 #include "core/vo/matches.h"
 #include "core/vo/motion.h"
+#include "core/vo/other_motions.h"
 #include "core/vo/support.h"
 #include "core/vo/tracking.h"
 #include "core/vo/visual_odometry.h"
@@ -37,13 +38,16 @@ class Estimator {
                      ImageView<const std::int16_t> disparity, const RigidTransform& predicted, const SelfCheck& check,
                      StepTimes& times);
 
+  // Motions beside the one that the last compare() found, the world's if it is valid.
+  const OtherMotions& others() const { return others_; }
+
   // Once for a new frame, after its features: what else of it may bear witness.
   void prepare(ImageView<const std::int16_t> disparity, Frame& frame) { support_.choose_witnesses(disparity, frame); }
 
  private:
   bool first_motion(const Frame& reference, const Frame& current, const RigidTransform& predicted, Comparison& out,
                     StepTimes& times);
-  bool rivalled(const Frame& reference, const Frame& current, const Comparison& comparison);
+  bool rivalled(int explained) const;
   void observe(const Frame& reference, const Frame& current, const std::vector<int>& members);
 
   StereoModel model_;
@@ -53,11 +57,11 @@ class Estimator {
   MotionSolver solver_;
   Tracker tracker_;
   Support support_;
+  OtherMotionFinder other_finder_;
+  OtherMotions others_;
   std::vector<Match> matches_;
   std::vector<PointPair> pairs_;
   std::vector<int> clique_;
-  std::vector<int> rival_;
-  std::vector<int> unexplained_;
   std::vector<Observation> observations_;
   std::vector<RigidTransform> references_;
   std::vector<float> changes_;

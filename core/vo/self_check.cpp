@@ -55,13 +55,13 @@ std::string describe(const CalibrationCheck& c) {
                   c.disparity_offset_px, c.disparity_offset_sigma_px, c.vertical_most_px);
     return text;
   }
-  std::snprintf(
-      text, sizeof text,
-      "the calibration is off: disparities are %.2f +- %.2f px too %s and rows differ by up to %.2f px%s; turning "
-      "the right eye by %.3f %.3f %.3f degrees about x y z would mend it; calibrate again",
-      std::abs(c.disparity_offset_px), c.disparity_offset_sigma_px, c.disparity_offset_px > 0.0 ? "large" : "small",
-      c.vertical_most_px, c.compensated ? " (the odometry corrects for it)" : "", -c.rotation_deg.x(),
-      -c.rotation_deg.y(), -c.rotation_deg.z());
+  std::snprintf(text, sizeof text,
+                "the calibration is off: disparities are %.2f +- %.2f px too %s and rows differ by up to %.2f px%s; as "
+                "far as it is a turn of the right eye, %.3f %.3f %.3f degrees about x y z mend it; calibrate again",
+                std::abs(c.disparity_offset_px), c.disparity_offset_sigma_px,
+                c.disparity_offset_px > 0.0 ? "large" : "small", c.vertical_most_px,
+                c.compensated ? " (the odometry corrects for it)" : "", -c.rotation_deg.x(), -c.rotation_deg.y(),
+                -c.rotation_deg.z());
   return text;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/vo/estimator.h"
+#include "core/vo/mover_tracker.h"
 
 namespace cliquevo::vo {
 
@@ -40,7 +41,8 @@ struct VisualOdometry::Impl {
         detector(model_, params_),
         tracker(model_, params_),
         estimator(model_, params_),
-        self_check(model_, params_) {
+        self_check(model_, params_),
+        mover_tracker(model_, params_) {
     for (int i = 0; i < 4; ++i) {
       frames.emplace_back(std::make_unique<Frame>(params));
       frames.back()->left.resize(model.width, model.height);
@@ -61,6 +63,7 @@ struct VisualOdometry::Impl {
   Tracker tracker;
   Estimator estimator;
   SelfCheck self_check;
+  MoverTracker mover_tracker;
   Image<std::uint8_t> mask;
   std::vector<std::unique_ptr<Frame>> frames;
   Frame* current = nullptr;
@@ -194,6 +197,7 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     e.prev_stamp_ns = input.stamp_ns;
     s.current->T_world_camera = {};
     s.valid = s.key = s.current;
+    s.mover_tracker.skip(*s.current);
   } else {
     e.prev_stamp_ns = s.valid->stamp_ns;
     const Frame* reference = s.valid;
@@ -228,19 +232,24 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     } else {
       s.carry_on();
     }
+    s.mover_tracker.update(*reference, *s.current, s.estimator.others(), c.motion.T_prev_cur,
+                           c.status == Status::valid);
   }
   e.T_world_camera = s.current->T_world_camera;
   e.calibration = s.self_check.result();
+  e.vehicle_part = s.mover_tracker.vehicle_part();
   e.times.total_ns = monotonic_ns() - start_ns;
   return {};
 }
 
 const Estimate& VisualOdometry::estimate() const { return impl_->estimate; }
+const Movers& VisualOdometry::movers() const { return impl_->mover_tracker.movers(); }
 
 void VisualOdometry::reset() {
   impl_->valid = impl_->key = impl_->failed = nullptr;
   impl_->velocity_ns = 0;
   impl_->self_check.reset();
+  impl_->mover_tracker.reset();
   impl_->estimate = {};
 }
 

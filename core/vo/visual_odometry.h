@@ -9,6 +9,7 @@
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
 #include "core/base/time.h"
+#include "core/vo/movers.h"
 #include "core/vo/self_check.h"
 #include "core/vo/vo_params.h"
 
@@ -70,6 +71,7 @@ struct Estimate {
   double disparity_offset_px = 0.0;
   double disparity_offset_information = 0.0;
   CalibrationCheck calibration;  // what is known of its errors up to this frame
+  VehiclePart vehicle_part;      // noticed in the view up to this frame
   StepTimes times;
 };
 
@@ -86,6 +88,8 @@ class VisualOdometry {
   // is as before the call. Everything else is a verdict in the estimate. Allocates nothing after the first frames.
   Result<void> process(const FrameInput& frame);
   const Estimate& estimate() const;
+  // What else moved in the last frame.
+  const Movers& movers() const;
   // Forget all frames and start again at the identity.
   void reset();
 

@@ -45,6 +45,7 @@ Result<void> VoParams::check() const {
   if (!within(rival_share, 0.1, 1.0)) return out_of_range("rival_share", "0.1 to 1");
   if (!within(max_contradiction, 0.01, 1.0)) return out_of_range("max_contradiction", "0.01 to 1");
   if (!within(max_unsteadiness_px, 0.001, 10.0)) return out_of_range("max_unsteadiness_px", "0.001 to 10");
+  if (!within(min_mover_points, 4, 500)) return out_of_range("min_mover_points", "4 to 500");
   return {};
 }
 

@@ -53,6 +53,8 @@ struct VoParams {
   double max_unsteadiness_px = 0.011;      // or surfaces change while their points scatter, as water does, or the
                                            // eyes differ by more than a frame changes
 
+  int min_mover_points = 6;  // matches that a thing must have to be told from the world
+
   AfterFailure after_failure = AfterFailure::constant_velocity;
 
   Result<void> check() const;

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <pthread.h>
 #include <sched.h>
 #include <thread>
 #include <vector>
@@ -18,7 +19,9 @@ class StallWatch {
     std::int64_t end_us = 0;
   };
 
-  explicit StallWatch(std::int64_t worth_telling_us) : worth_telling_us_(worth_telling_us) {
+  // fifo_priority: of its threads, where the rights are there; 0 = ordinary.
+  explicit StallWatch(std::int64_t worth_telling_us, int fifo_priority = 0)
+      : worth_telling_us_(worth_telling_us), fifo_priority_(fifo_priority) {
     cpu_set_t cpus;
     CPU_ZERO(&cpus);
     ::sched_getaffinity(0, sizeof cpus, &cpus);
@@ -50,6 +53,8 @@ class StallWatch {
     CPU_ZERO(&mine);
     CPU_SET(cpu, &mine);
     ::sched_setaffinity(0, sizeof mine, &mine);
+    const sched_param priority{fifo_priority_};
+    if (fifo_priority_ > 0) ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &priority);
     while (!done_) {
       const std::int64_t begin_us = now_us();
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -59,6 +64,7 @@ class StallWatch {
   }
 
   std::int64_t worth_telling_us_;
+  int fifo_priority_;
   std::vector<std::vector<Stall>> found_;  // by CPU
   std::atomic<bool> done_{false};
   std::vector<std::thread> threads_;
