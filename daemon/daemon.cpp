@@ -129,22 +129,33 @@ Result<std::optional<CommandReceiver>> listen(const Config& config, Pipeline& pi
 }
 
 // SIGHUP: what can change while running does, what cannot is named.
-void reload(const DaemonOptions& options, Config& in_force) {
+void reload(const DaemonOptions& options, Config& in_force, Output& output, Recording& recording) {
   const auto config = load(options);
   if (!config) return report(config.error());
+  if (const auto ok = config->check(); !ok) return report(ok.error());
   const auto old_keys = list_config(in_force);
   const auto new_keys = list_config(*config);
   for (std::size_t i = 0; i < new_keys.size(); ++i) {
     const auto& [key, value] = new_keys[i];
     if (value == old_keys[i].second) continue;
     if (key == "log.level") {
-      in_force.log_level = config->log_level;
       set_up_log(config->log_level);
       spdlog::info("reloaded: {} is now {}", key, value);
+    } else if (key == "lcm.images_rate_hz") {
+      output.tap.set_rate(config->lcm.images_rate_hz);
+      spdlog::info("reloaded: {} is now {}", key, value);
+    } else if (key.starts_with("recording.") && key != "recording.at_start") {
+      recording.configure(config->recording);
+      spdlog::info("reloaded: {} is now {}, from the next recording on", key, value);
     } else {
       spdlog::warn("reloaded: {} = {} takes effect at the next start", key, value);
     }
   }
+  in_force.log_level = config->log_level;
+  in_force.lcm.images_rate_hz = config->lcm.images_rate_hz;
+  const bool at_start = in_force.recording.at_start;
+  in_force.recording = config->recording;
+  in_force.recording.at_start = at_start;
   spdlog::info("configuration read again");
 }
 
@@ -282,7 +293,8 @@ int run(const DaemonOptions& options) {
   {
     const auto commands = listen(*config, *pipeline, recording);
     if (!commands) return report(commands.error()), kBadInput;
-    watch(*pipeline, output, recording, signals, service, description, [&] { reload(options, *config); });
+    watch(*pipeline, output, recording, signals, service, description,
+          [&] { reload(options, *config, output, recording); });
   }
   if (!pipeline->wait_finished(kPatienceNs)) {
     report({"a stage does not end", description, "the daemon ends without the frames on their way"});

@@ -6,21 +6,31 @@
 
 namespace cliquevo::daemon {
 
+namespace {
+std::int64_t period_of(double rate_hz) { return rate_hz > 0.0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0; }
+}  // namespace
+
 ImageTap::ImageTap(int width, int height, double rate_hz)
-    : period_ns_(rate_hz > 0.0 ? static_cast<std::int64_t>(1e9 / rate_hz) : 0),
-      images_(std::make_unique<TappedImages>()) {
-  if (period_ns_ == 0) return;
+    : period_ns_(period_of(rate_hz)), images_(std::make_unique<TappedImages>()) {
+  if (rate_hz <= 0.0) return;
   images_->left.resize(width, height);
   images_->left.fill(0);  // touched: the pages are there
   images_->disparity.resize(width, height);
   images_->disparity.fill(0);
 }
 
+void ImageTap::set_rate(double rate_hz) {
+  if (period_ns_.load(std::memory_order_relaxed) > 0 && rate_hz > 0.0) {
+    period_ns_.store(period_of(rate_hz), std::memory_order_relaxed);
+  }
+}
+
 void ImageTap::offer(TimestampNs stamp_ns, ImageView<const std::uint8_t> left,
                      ImageView<const std::int16_t> disparity) {
-  if (period_ns_ == 0 || full_.load(std::memory_order_acquire)) return;
+  const std::int64_t period_ns = period_ns_.load(std::memory_order_relaxed);
+  if (period_ns == 0 || full_.load(std::memory_order_acquire)) return;
   // A stamp before the last one: the source began anew.
-  if (has_last_ && stamp_ns >= last_ns_ && stamp_ns - last_ns_ < period_ns_) return;
+  if (has_last_ && stamp_ns >= last_ns_ && stamp_ns - last_ns_ < period_ns) return;
   has_last_ = true;
   last_ns_ = stamp_ns;
   images_->stamp_ns = stamp_ns;

@@ -23,6 +23,9 @@ class ImageTap {
   // At most rate_hz pictures a second of the frames' own time; 0 = none ever. Takes all its memory here.
   ImageTap(int width, int height, double rate_hz);
 
+  // Any thread: another rate, more than 0. Nothing happens where there was none to begin with.
+  void set_rate(double rate_hz);
+
   // Odometry thread: copies when a picture is due and the last one has been taken. No allocation, no lock.
   void offer(TimestampNs stamp_ns, ImageView<const std::uint8_t> left, ImageView<const std::int16_t> disparity);
 
@@ -31,7 +34,7 @@ class ImageTap {
   void give_back() { full_.store(false, std::memory_order_release); }
 
  private:
-  std::int64_t period_ns_;  // 0 = off
+  std::atomic<std::int64_t> period_ns_;  // 0 = off
   bool has_last_ = false;
   TimestampNs last_ns_ = 0;
   std::unique_ptr<TappedImages> images_;

@@ -60,6 +60,11 @@ Recording::~Recording() { static_cast<void>(stop()); }
 
 bool Recording::active() const { return impl_->active.load(std::memory_order_acquire); }
 
+void Recording::configure(const RecordingConfig& config) {
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  impl_->config = config;
+}
+
 Result<void> Recording::start() {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   const RecordingConfig& config = impl_->config;

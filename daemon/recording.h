@@ -24,6 +24,8 @@ class Recording {
   Result<void> start();
   Result<void> stop();
   bool active() const;
+  // Any thread. From the next start() on.
+  void configure(const RecordingConfig& config);
   // Any thread; nothing happens while no recording is written.
   void add(const drivers::StereoPair& pair);
   void add(const std::string& channel, const std::uint8_t* data, std::size_t size);

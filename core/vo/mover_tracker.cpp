@@ -13,10 +13,11 @@ constexpr std::size_t kTracks = 16;
 constexpr int kToldFrom = 3;                     // frames; chance cliques are not found that often
 constexpr std::int64_t kForgetNs = 500'000'000;  // a thing not found for longer is another one
 constexpr double kSharedFeatures = 0.25;         // of the smaller set: the same thing
-constexpr double kStill_px = 1.0;                // RMS change of (u, v) and of disparity: stands still in the view ...
-constexpr double kWorldMoved_px = 3.0;           // ... while the world would have moved by so much there
-constexpr double kSamePlace_px = 1.5;            // from one of the first places, in u, v and disparity ...
-constexpr double kSamePlaces = 0.5;              // ... are at least so many of its points
+constexpr double kStill_px = 1.0;                // change of u, v and disparity: stands still in the view ...
+constexpr double kWorldMoved_px = 3.0;           // ... while the world would have moved by so much there (RMS)
+constexpr double kSamePlace_px = 1.5;            // from one of the first places, in u, v and disparity
+constexpr double kMostPoints = 0.6;              // of which these hold
+constexpr int kErrCosts = 5;                     // frames, of one that says otherwise
 constexpr int kVehicleFrom = 30;                 // frames: no other vehicle keeps its place to a pixel for so long
 
 int common(const std::vector<int>& a, const std::vector<int>& b) {
@@ -31,6 +32,15 @@ int common(const std::vector<int>& a, const std::vector<int>& b) {
     }
   }
   return count;
+}
+
+bool near(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double most) {
+  return (a - b).cwiseAbs().maxCoeff() <= most;
+}
+
+bool near_any(const std::vector<Eigen::Vector3d>& places, const Eigen::Vector3d& p) {
+  return std::any_of(places.begin(), places.end(),
+                     [&p](const Eigen::Vector3d& place) { return near(place, p, kSamePlace_px); });
 }
 
 double shared(const std::vector<int>& a, const std::vector<int>& b) {
@@ -138,39 +148,41 @@ MoverTracker::Track& MoverTracker::known_or_new() {
 }
 
 void MoverTracker::notice(const OtherMotion& other, const RigidTransform& T_ref_cur, Track& track) {
-  double change = 0.0, world = 0.0;
+  double world = 0.0;
+  int unmoved = 0, kept = 0;
   for (const Observation& o : other.observations) {
-    change += (o.uvd_cur - o.uvd_ref).squaredNorm();
     const Eigen::Vector3d p = T_ref_cur * model_.triangulate(o.uvd_cur.x(), o.uvd_cur.y(), o.uvd_cur.z());
     const Eigen::Vector2d from(model_.fx_px * p.x() / p.z() + model_.cx_px,
                                model_.fy_px * p.y() / p.z() + model_.cy_px);
     world += (o.uvd_cur.head<2>() - from).squaredNorm();
+    unmoved += near(o.uvd_ref, o.uvd_cur, kStill_px) ? 1 : 0;
+    kept += near_any(track.anchor, o.uvd_cur) ? 1 : 0;
   }
   const double n = static_cast<double>(other.observations.size());
   if (!(world > n * kWorldMoved_px * kWorldMoved_px)) return;  // nothing to be told apart by
-  int kept = 0;
-  for (const Observation& o : other.observations) {
-    const auto here = [&](const Eigen::Vector3d& a) { return (a - o.uvd_cur).cwiseAbs().maxCoeff() <= kSamePlace_px; };
-    kept += std::any_of(track.anchor.begin(), track.anchor.end(), here) ? 1 : 0;
+  const bool still = unmoved >= kMostPoints * n;
+  if (track.still > 0 && (!still || kept < kMostPoints * n)) {  // one frame may err
+    track.still = std::max(0, track.still - kErrCosts);
+    track.mover.of_vehicle = track.still >= kVehicleFrom;
+    return;
   }
-  const bool still = change < n * kStill_px * kStill_px && (track.still == 0 || kept >= kSamePlaces * n);
-  if (!still || track.still == 0) {
-    track.still = still ? 1 : 0;
-    track.mover.of_vehicle = false;
+  if (track.still == 0) {
+    if (!still) return;
     track.anchor.clear();
     for (const Observation& o : other.observations) track.anchor.push_back(o.uvd_cur);
-    return;
   }
   track.mover.of_vehicle = ++track.still >= kVehicleFrom;
   if (!track.mover.of_vehicle) return;
   VehiclePart& v = vehicle_part_;
+  bool first = v.frames == 0;
   for (const Observation& o : other.observations) {
+    if (!near(o.uvd_ref, o.uvd_cur, kStill_px) || !near_any(track.anchor, o.uvd_cur)) continue;
     const double x = o.uvd_cur.x(), y = o.uvd_cur.y();
-    const bool first = v.frames == 0 && &o == &other.observations.front();
     v.left_px = first ? x : std::min(v.left_px, x);
     v.right_px = first ? x : std::max(v.right_px, x);
     v.top_px = first ? y : std::min(v.top_px, y);
     v.bottom_px = first ? y : std::max(v.bottom_px, y);
+    first = false;
   }
   ++v.frames;
 }

@@ -119,6 +119,10 @@ class AravisPair final : public FrameSource {
     pairs_.set_state(eye, "");
     bool delivered = false;
     std::int64_t next_follow_ns = 0;
+    if (eye == Eye::right) {  // a camera that comes back has forgotten
+      followed_exposure_us_ = 0.0;
+      followed_gain_ = -1.0;
+    }
     while (!stop_ && !camera.lost()) {
       if (const auto frame = camera.take(kTakeUs)) {
         const std::int64_t now_ns = monotonic_ns();

@@ -17,6 +17,7 @@
 
 #include <gtest/gtest.h>
 
+#include "drivers/aravis/aravis_camera.h"
 #include "drivers/recording.h"
 #include "tests/hil/private_network.h"
 #include "tests/support/stall_watch.h"
@@ -245,6 +246,54 @@ TEST(AravisHil, CamerasThatAreKilledAndComeBackArePairedAgain) {
   EXPECT_EQ(seen.wrong, 0);
   RecordProperty("seconds_for_40_pairs_after_the_kill",
                  std::to_string(static_cast<double>(monotonic_ns() - back_ns) * 1e-9));
+}
+
+// Asked by itself, as it was left by whoever had it before.
+struct Setting {
+  double exposure_us = 0.0;
+  double gain = 0.0;
+};
+Setting setting_of(const std::string& name, drivers::CameraOptions options) {
+  options.exposure_us.reset();
+  options.gain.reset();
+  const auto give_up = steady_clock::now() + std::chrono::seconds(20);
+  for (bool busy = true; busy && steady_clock::now() < give_up;) {
+    auto camera = drivers::AravisCamera::open(name, options, true, busy);
+    if (camera.ok()) return {camera->exposure_us().value_or(0.0), camera->gain().value_or(0.0)};
+  }
+  ADD_FAILURE() << name << " does not answer";
+  return {};
+}
+
+TEST(AravisHil, TheRightEyeTakesOverWhatTheLeftOnesControlFound) {
+  CLIQUEVO_NEEDS_TWO_ADDRESSES();
+  const Course course;
+  Rig rig(course, {"--pingpong"});
+  rig.wait_until_seen();
+  drivers::CameraOptions options = camera_options(course, 10.0);
+  for (const double exposure_us : {4321.0, 1234.0}) {
+    // What a control loop would do: the simulated cameras have none.
+    const auto left_control = [&] {
+      drivers::CameraOptions left = options;
+      left.exposure_us = exposure_us;
+      left.gain = 3.0;
+      bool busy = false;
+      EXPECT_TRUE(drivers::AravisCamera::open("HIL-LEFT", left, false, busy).ok());
+    };
+    left_control();
+    EXPECT_NE(setting_of("HIL-RIGHT", options).exposure_us, exposure_us);
+    drivers::CameraOptions automatic = options;
+    automatic.exposure_us.reset();
+    automatic.gain.reset();
+    {
+      const auto source = open(automatic);
+      ASSERT_NE(source, nullptr);
+      EXPECT_EQ(take(*source, course, 20).pairs, 20) << source->status();
+    }
+    const Setting right = setting_of("HIL-RIGHT", options);
+    EXPECT_EQ(right.exposure_us, exposure_us);
+    EXPECT_EQ(right.gain, 3.0);
+  }
 }
 
 TEST(AravisHil, SoftwareTriggersExposeBothEyesTogether) {

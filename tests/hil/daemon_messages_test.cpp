@@ -15,6 +15,7 @@
 
 #include <cliquevo/command_t.hpp>
 #include <cliquevo/health_t.hpp>
+#include <cliquevo/movers_t.hpp>
 #include <cliquevo/status_t.hpp>
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
@@ -180,6 +181,48 @@ TEST(DaemonMessages, ARecordingArrivesCompletelyAndAgreesWithItsTrajectory) {
   }
 }
 
+TEST(DaemonMessages, MoversAreSentForEveryFrameWhenAskedFor) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  lcm::LCM lcm(kUrl);
+  struct Collector {
+    std::vector<movers_t> movers;
+    std::vector<status_t> statuses;
+    void on_movers(const lcm::ReceiveBuffer*, const std::string&, const movers_t* m) { movers.push_back(*m); }
+    void on_status(const lcm::ReceiveBuffer*, const std::string&, const status_t* m) { statuses.push_back(*m); }
+  } collector;
+  lcm.subscribe("VO_MOVERS", &Collector::on_movers, &collector)->setQueueCapacity(1000);
+  lcm.subscribe("VO_STATUS", &Collector::on_status, &collector)->setQueueCapacity(1000);
+  const std::string config =
+      "source: {speed: 0, simulator: {frames: 90, movers: 3}}\nlcm: {movers_channel: VO_MOVERS}\n";
+  test::Subprocess daemon({test::binary("cliquevod"), "--config", write_config(test::scratch_dir(), config)});
+  for (int timeout_ms = 120'000; lcm.handleTimeout(timeout_ms) > 0; timeout_ms = 3000) {
+  }
+  EXPECT_EQ(daemon.wait().exit_code, 0);
+  ASSERT_EQ(collector.movers.size(), 90U);
+  ASSERT_EQ(collector.statuses.size(), 90U);
+  int told = 0;
+  for (std::size_t i = 0; i < collector.movers.size(); ++i) {
+    const movers_t& m = collector.movers[i];
+    EXPECT_EQ(m.utime, collector.statuses[i].utime);
+    if (collector.statuses[i].status != status_t::VALID) {
+      EXPECT_EQ(m.num_movers, 0) << "frame " << i;
+    }
+    for (const mover_t& thing : m.movers) {
+      ++told;
+      EXPECT_GE(thing.frames, 3);
+      EXPECT_GE(thing.inliers, 6);
+      EXPECT_EQ(thing.of_vehicle, 0);
+      EXPECT_GT(thing.centre[2], 1.0) << "the boxes drive some metres ahead";
+      EXPECT_LT(thing.centre[2], 12.0);
+      ASSERT_EQ(thing.pixel.size(), static_cast<std::size_t>(thing.num_points));
+      for (const auto& pixel : thing.pixel) {
+        EXPECT_TRUE(pixel[0] >= 0 && pixel[0] < 512 && pixel[1] >= 0 && pixel[1] < 384);
+      }
+    }
+  }
+  EXPECT_GT(told, 5) << "three boxes cross the view";
+}
+
 TEST(DaemonMessages, ImagesAreSentWhenAskedForAndAtTheirRate) {
   CLIQUEVO_NEEDS_PRIVATE_NETWORK();
   lcm::LCM lcm(kUrl);
@@ -308,6 +351,12 @@ TEST(DaemonMessages, CommandsStartAndStopARecordingThatPlays) {
   const int stopped = subscriber.statuses_seen;
   ASSERT_TRUE(until([&] { return subscriber.statuses_seen > stopped + 5; }, [] {}));
   EXPECT_EQ(fs::file_size(logs()[0]), size);
+  // Another folder, read again while it runs, holds from the next recording on.
+  write_config(dir, small_course(10, 1.0, "pingpong") + "recording: {folder: " + dir + "/others}\n");
+  daemon.send(SIGHUP);
+  ASSERT_TRUE(until([&] { return fs::exists(dir + "/others") && !fs::is_empty(dir + "/others"); },
+                    [&] { ask(command_t::START_RECORDING); }));
+  EXPECT_EQ(logs().size(), 1U);
   daemon.send(SIGTERM);
   EXPECT_EQ(daemon.wait().exit_code, 0);
   const test::Finished replay = test::run({test::binary("cliquevo"), "replay", logs()[0]});

@@ -173,11 +173,62 @@ int take_pairs(V4l2Pairs& pairs, int wanted) {
   return count;
 }
 
+int control_of(const std::string& device, std::uint32_t id) {
+  const int descriptor = ::open(device.c_str(), O_RDWR | O_NONBLOCK);
+  v4l2_control control = {id, -1};
+  if (descriptor < 0 || ::ioctl(descriptor, VIDIOC_G_CTRL, &control) != 0) control.value = -1;
+  ::close(descriptor);
+  return control.value;
+}
+
+void vivid_appears() {
+  check(std::system("modprobe vivid n_devs=2 node_types=0x1,0x1 num_inputs=1,1 input_types=0,0") == 0, "vivid loads");
+  check(wait_for_devices("vivid", 2), "two vivid cameras appear");
+  keep_names("vivid");
+}
+
+// Controls by name reach both eyes, and the right one takes over the gain that the left one's control has found.
+void vivid_controls() {
+  const std::string left = fs::canonical("/dev/eye-left").string();
+  const std::string right = fs::canonical("/dev/eye-right").string();
+  CameraOptions options = options_for(10.0);
+  options.pixel_format = "GREY";
+  options.width = 320;
+  options.height = 180;
+  options.controls = "brightness=77,saturation=50";
+  {
+    auto pairs = V4l2Pairs::open(options);
+    check(pairs.ok(), "two of them open" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
+    if (!pairs.ok()) return;
+    for (const std::string& eye : {left, right}) {
+      check(control_of(eye, V4L2_CID_BRIGHTNESS) == 77 && control_of(eye, V4L2_CID_SATURATION) == 50,
+            "the controls named are set: " + eye);
+    }
+    check(control_of(left, V4L2_CID_AUTOGAIN) == 1 && control_of(right, V4L2_CID_AUTOGAIN) == 0,
+          "the left eye's own control is on, the right one's off");
+    // vivid's automatic gain is another one every second.
+    int changes = 0, followed = 0, last = control_of(left, V4L2_CID_GAIN);
+    for (int i = 0; i < 100 && changes < 3; ++i) {
+      ::usleep(50'000);
+      const int found = control_of(left, V4L2_CID_GAIN);
+      if (found == last) continue;
+      last = found;
+      ++changes;
+      for (int k = 0; k < 18 && control_of(right, V4L2_CID_GAIN) != found; ++k) ::usleep(50'000);
+      followed += control_of(right, V4L2_CID_GAIN) == found ? 1 : 0;
+    }
+    check(changes == 3 && followed >= 2, "the right eye follows the left one's gain: " + std::to_string(followed) +
+                                             " of " + std::to_string(changes) + " times");
+  }
+  options.controls = "no_such_thing=1";
+  const auto refused = V4l2Pairs::open(options);
+  check(!refused.ok() && refused.error().line().find("brightness") != std::string::npos,
+        "an unknown control is refused, with those there are: " +
+            (refused.ok() ? std::string() : refused.error().line()));
+}
+
 void vivid_faults() {
   // One camera that delivers both eyes: two that run freely are rarely in phase.
-  check(std::system("modprobe vivid n_devs=1 node_types=0x1 num_inputs=1 input_types=0") == 0, "vivid loads");
-  check(wait_for_devices("vivid", 1), "a vivid camera appears");
-  keep_names("vivid");
   CameraOptions options = options_for(10.0);
   options.layout = drivers::EyeLayout::side_by_side;
   options.pixel_format = "GREY";
@@ -211,6 +262,8 @@ void vivid_faults() {
 int main() {
   ::alarm(400);
   uvc_pair();
+  vivid_appears();
+  vivid_controls();
   vivid_faults();
   std::printf("%d failures\n", failures);
   return failures == 0 ? 0 : 1;

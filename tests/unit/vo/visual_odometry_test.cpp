@@ -198,6 +198,45 @@ TEST(VisualOdometry, AMaskKeepsFeaturesAway) {
           .ok());
 }
 
+// Something near in the lower half that goes where the camera goes: bright spots on dark tiles, no two alike.
+void put_vehicle_part(Scene::Views& v) {
+  constexpr int kDisparity = 40;
+  constexpr int kTile = 10;
+  for (int row = 150; row < 220; ++row) {
+    for (int column = 120; column < 220; ++column) {
+      std::mt19937 rng(static_cast<unsigned>(1000 * (row / kTile) + column / kTile));
+      const int dark = 30 + static_cast<int>(rng() % 60), bright = 150 + static_cast<int>(rng() % 90);
+      const int x = 1 + static_cast<int>(rng() % 4), y = 1 + static_cast<int>(rng() % 4);
+      const int dx = column % kTile - x, dy = row % kTile - y;
+      const bool spot = dx >= 0 && dx < 4 && dy >= 0 && dy < 4;
+      const auto grey = static_cast<std::uint8_t>(spot ? bright : dark);
+      v.left.view()(column, row) = grey;
+      v.right.view()(column - kDisparity, row) = grey;
+      v.filtered.view()(column, row) = static_cast<std::uint8_t>(grey / 4);
+      v.disparity.view()(column, row) = kDisparity * kDisparityScale;
+    }
+  }
+}
+
+TEST(VisualOdometry, NoticesAPartOfTheVehicleInTheView) {
+  Scene::Views here = Scene().from(0.0, 0.0), there = Scene().from(0.03, 0.01);
+  put_vehicle_part(here);
+  put_vehicle_part(there);
+  VisualOdometry vo = make();
+  for (int i = 0; i < 50; ++i) {
+    ASSERT_TRUE(vo.process((i % 2 == 0 ? here : there).input(i)).ok());
+    if (i < 20) {
+      EXPECT_EQ(vo.estimate().vehicle_part.frames, 0) << i;
+    }
+  }
+  const VehiclePart& part = vo.estimate().vehicle_part;
+  ASSERT_GT(part.frames, 5);
+  EXPECT_GE(part.left_px, 120.0);
+  EXPECT_LE(part.right_px, 220.0);
+  EXPECT_GE(part.top_px, 150.0);
+  EXPECT_LE(part.bottom_px, 220.0);
+}
+
 TEST(VisualOdometry, ResetStartsAgainAtTheIdentity) {
   const Scene scene;
   VisualOdometry vo = make();
