@@ -287,6 +287,7 @@ RigidTransform Mounting::T_body_camera() const {
 
 Config default_config() {
   Config config;
+  config.stereo.workers = 2;  // the library takes one thread unless told otherwise; a vehicle wants the pose soon
   config.T_body_camera = config.body.T_body_camera();
   return config;
 }
@@ -313,15 +314,16 @@ Result<void> Config::check() const {
   }
   for (const auto& [key, channel] :
        {std::pair{"lcm.delta_body_channel", &lcm.delta_body_channel},
-        std::pair{"lcm.images_channel", &lcm.images_channel}, std::pair{"lcm.health_channel", &lcm.health_channel},
-        std::pair{"lcm.command_channel", &lcm.command_channel}}) {
+        std::pair{"lcm.images_channel", &lcm.images_channel}, std::pair{"lcm.movers_channel", &lcm.movers_channel},
+        std::pair{"lcm.health_channel", &lcm.health_channel}, std::pair{"lcm.command_channel", &lcm.command_channel}}) {
     if (channel->size() > 63) return own_range(key, "give a name of 63 characters at most, or none");
   }
   if (!(lcm.images_rate_hz >= 0.01 && lcm.images_rate_hz <= 1000.0)) {
     return own_range("lcm.images_rate_hz", "give 0.01 to 1000");
   }
   for (const auto& [key, cpu] : {std::pair{"realtime.stereo_cpu", realtime.stereo_cpu},
-                                 std::pair{"realtime.odometry_cpu", realtime.odometry_cpu}}) {
+                                 std::pair{"realtime.odometry_cpu", realtime.odometry_cpu},
+                                 std::pair{"realtime.worker_cpu", realtime.worker_cpu}}) {
     if (cpu < -1 || cpu > 1023) return own_range(key, "give -1 (any core), or a core from 0 to 1023");
   }
   for (const auto& [key, priority] : {std::pair{"realtime.stereo_priority", realtime.stereo_priority},

@@ -48,6 +48,7 @@ struct RealtimeConfig {
   bool lock_memory = true;     // keep all memory in RAM
   int stereo_cpu = -1;         // core of the stereo thread, -1 = any
   int odometry_cpu = -1;       //
+  int worker_cpu = -1;         // of the stereo thread's first helper; further ones on the cores after it
   int stereo_priority = 50;    // SCHED_FIFO, 1 to 99; 0 = ordinary time sharing
   int odometry_priority = 50;  //
   int output_priority = 30;    // below them: sending may block

@@ -161,6 +161,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("realtime.lock_memory", c.realtime.lock_memory);
   v.key("realtime.stereo_cpu", c.realtime.stereo_cpu);
   v.key("realtime.odometry_cpu", c.realtime.odometry_cpu);
+  v.key("realtime.worker_cpu", c.realtime.worker_cpu);
   v.key("realtime.stereo_priority", c.realtime.stereo_priority);
   v.key("realtime.odometry_priority", c.realtime.odometry_priority);
   v.key("realtime.output_priority", c.realtime.output_priority);

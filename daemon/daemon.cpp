@@ -12,6 +12,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/rt/memory.h"
+#include "core/rt/thread.h"
 #include "daemon/command_receiver.h"
 #include "daemon/config.h"
 #include "daemon/effective_config.h"
@@ -51,6 +52,19 @@ Result<std::unique_ptr<Workshop>> make_workshop(const Config& config, const driv
   auto odometry = OdometryStage::make(config.odometry, source, *stereo);
   if (!odometry) return odometry.error();
   return std::make_unique<Workshop>(Workshop{std::move(*stereo), std::move(*odometry)});
+}
+
+// The stereo thread's helpers wait for each other: all of them run like it.
+void schedule_workers(const RealtimeConfig& config, StereoStage& stereo) {
+  int number = 1;
+  for (const auto handle : stereo.worker_handles()) {
+    const int cpu = config.worker_cpu >= 0 ? config.worker_cpu + number - 1 : -1;
+    ++number;
+    const std::string name = fmt::format("vo-stereo-{}", number);
+    const std::string missing =
+        rt::schedule(handle, {.name = name, .cpu = cpu, .fifo_priority = config.stereo_priority});
+    if (!missing.empty()) spdlog::warn("without real-time rights: {}: {}", name, missing);
+  }
 }
 
 void describe(const drivers::SourceInfo& source, const StereoModel& model) {
@@ -264,6 +278,7 @@ int run(const DaemonOptions& options) {
   });
 
   Workshop& shop = **workshop;
+  schedule_workers(config->realtime, shop.stereo);
   PipelineWork work;
   work.prepare = [&shop](FrameSlot& slot) { shop.stereo.prepare(slot.frame); };
   work.stereo = [&shop](FrameSlot& slot) { return shop.stereo.run(slot.pair, slot.frame); };

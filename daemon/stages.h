@@ -3,6 +3,9 @@
 // and on to the estimate. One after the other they are what FramePipeline does.
 #pragma once
 
+#include <thread>
+#include <vector>
+
 #include "core/base/image.h"
 #include "core/base/result.h"
 #include "core/vo/visual_odometry.h"
@@ -28,6 +31,8 @@ class StereoStage {
 
   const StereoModel& model() const { return rectifier_.model(); }
   const stereo::Rectifier& rectifier() const { return rectifier_; }
+  // Threads that share the stage's work with the caller's.
+  std::vector<std::thread::native_handle_type> worker_handles() { return dense_.worker_handles(); }
   // Takes all memory that run() will use.
   void prepare(StereoFrame& frame) const;
   // An Error names unusable input: images of another size than the calibration's. No allocation otherwise.

@@ -105,6 +105,7 @@ DenseStereo& DenseStereo::operator=(DenseStereo&&) noexcept = default;
 DenseStereo::~DenseStereo() = default;
 
 const StereoParams& DenseStereo::params() const { return impl_->params; }
+std::vector<std::thread::native_handle_type> DenseStereo::worker_handles() { return impl_->pool->handles(); }
 
 Result<DenseStereo> DenseStereo::make(const StereoParams& params, int width, int height) {
   if (auto ok = params.check(); !ok) return ok.error();

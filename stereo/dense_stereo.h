@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <thread>
+#include <vector>
 
 #include "core/base/image.h"
 #include "core/base/result.h"
@@ -25,6 +27,8 @@ class DenseStereo {
                        ImageView<std::uint8_t> filtered_left, ImageView<std::int16_t> disparity);
 
   const StereoParams& params() const;
+  // Of the workers beside the caller's thread, to be given a core and a priority.
+  std::vector<std::thread::native_handle_type> worker_handles();
 
  private:
   struct Impl;

@@ -45,6 +45,12 @@ WorkerPool::~WorkerPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
+std::vector<std::thread::native_handle_type> WorkerPool::handles() {
+  std::vector<std::thread::native_handle_type> out;
+  for (std::thread& thread : threads_) out.push_back(thread.native_handle());
+  return out;
+}
+
 void WorkerPool::start_and_wait() {
   if (!threads_.empty()) {
     pending_.store(static_cast<int>(threads_.size()));

@@ -18,6 +18,9 @@ class WorkerPool {
 
   int workers() const { return static_cast<int>(threads_.size()) + 1; }
 
+  // Of the threads beside the caller's.
+  std::vector<std::thread::native_handle_type> handles();
+
   // Calls job(0) ... job(workers() - 1), one on each thread, and returns when all are done.
   template <class Job>
   void run(Job&& job) {

@@ -28,6 +28,24 @@ void note(std::string& shortfall, const std::string& what, int error) {
 
 }  // namespace
 
+std::string schedule(std::thread::native_handle_type thread, const ThreadOptions& options) {
+  std::string shortfall;
+  pthread_setname_np(thread, options.name.substr(0, 15).c_str());
+  if (options.cpu >= 0) {
+    cpu_set_t cores;
+    CPU_ZERO(&cores);
+    if (options.cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(options.cpu), &cores);
+    note(shortfall, "core " + std::to_string(options.cpu), pthread_setaffinity_np(thread, sizeof cores, &cores));
+  }
+  if (options.fifo_priority > 0) {
+    sched_param priority{};
+    priority.sched_priority = options.fifo_priority;
+    note(shortfall, "FIFO priority " + std::to_string(options.fifo_priority),
+         pthread_setschedparam(thread, SCHED_FIFO, &priority));
+  }
+  return shortfall;
+}
+
 Result<Thread> Thread::start(const ThreadOptions& options, std::function<void()> body) {
   Thread thread;
   thread.impl_ = std::make_unique<Impl>();
@@ -52,20 +70,7 @@ Result<Thread> Thread::start(const ThreadOptions& options, std::function<void()>
     return Error{"cannot start a thread", options.name, std::strerror(failed)};
   }
 
-  pthread_setname_np(impl->handle, options.name.substr(0, 15).c_str());
-  if (options.cpu >= 0) {
-    cpu_set_t cores;
-    CPU_ZERO(&cores);
-    if (options.cpu < CPU_SETSIZE) CPU_SET(static_cast<std::size_t>(options.cpu), &cores);
-    note(thread.shortfall_, "core " + std::to_string(options.cpu),
-         pthread_setaffinity_np(impl->handle, sizeof cores, &cores));
-  }
-  if (options.fifo_priority > 0) {
-    sched_param priority{};
-    priority.sched_priority = options.fifo_priority;
-    note(thread.shortfall_, "FIFO priority " + std::to_string(options.fifo_priority),
-         pthread_setschedparam(impl->handle, SCHED_FIFO, &priority));
-  }
+  thread.shortfall_ = schedule(impl->handle, options);
   return thread;
 }
 

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "core/base/result.h"
 
@@ -17,6 +18,10 @@ struct ThreadOptions {
   int fifo_priority = 0;  // SCHED_FIFO, 1 to 99; 0 = ordinary time sharing
   std::size_t stack_bytes = std::size_t{1} << 20;
 };
+
+// Gives a thread that runs already its name, core and priority. Returns what was not granted, e.g. "FIFO priority 60:
+// Operation not permitted"; empty = all was.
+std::string schedule(std::thread::native_handle_type thread, const ThreadOptions& options);
 
 class Thread {
  public:
@@ -30,7 +35,7 @@ class Thread {
 
   void join();
   bool joinable() const { return impl_ != nullptr; }
-  // What was asked for and not granted, e.g. "FIFO priority 60: Operation not permitted"; empty = all granted.
+  // See schedule().
   const std::string& shortfall() const { return shortfall_; }
 
  private:

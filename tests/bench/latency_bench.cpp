@@ -45,7 +45,7 @@ struct Options {
   double seconds = 60.0;
   double rate_hz = 30.0;
   int frames = 120;
-  int stereo_workers = 1;
+  int stereo_workers = 2;
   std::string source;
   std::string file;
   std::string only;

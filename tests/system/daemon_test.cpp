@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // cliquevod as a user starts it.
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <sched.h>
 #include <string>
 #include <unistd.h>
 #include <vector>
@@ -51,6 +53,46 @@ TEST(Daemon, TrajectoryIsByteForByteTheOneOfReplay) {
     EXPECT_EQ(test::lines_of(test::read_file(dir + "/daemon.txt")).size(), 15u);
     EXPECT_EQ(test::read_file(dir + "/daemon.txt"), test::read_file(dir + "/replay.txt"));
   }
+}
+
+// Policy and cores of a thread of the program, by its name; -1: there is none.
+struct Placed {
+  int policy = -1;
+  cpu_set_t cores{};
+};
+Placed placed(pid_t process, const std::string& name) {
+  Placed out;
+  std::error_code gone;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task", gone)) {
+    if (test::read_file(task.path().string() + "/comm") != name + "\n") continue;
+    const pid_t thread = static_cast<pid_t>(std::stol(task.path().filename().string()));
+    out.policy = ::sched_getscheduler(thread);
+    ::sched_getaffinity(thread, sizeof out.cores, &out.cores);
+  }
+  return out;
+}
+
+TEST(Daemon, EveryStereoWorkerHasTheStageThreadsPriorityAndItsOwnCore) {
+  const std::string dir = test::scratch_dir();
+  const std::string config = write_file(
+      dir, "c.yaml",
+      "source:\n  loop: pingpong\n  simulator: {width: 160, height: 120, focal_px: 175, frames: 4, cache_dir: none}\n"
+      "stereo: {workers: 2}\nrealtime: {worker_cpu: 0}\n" +
+          to_log(dir));
+  test::Subprocess daemon({daemon_program(), "--config", config, "--trajectory", dir + "/t.txt"});
+  for (int i = 0; i < 6000 && test::read_file(dir + "/t.txt").empty(); ++i) ::usleep(10'000);
+  const Placed stage = placed(daemon.pid(), "vo-stereo");
+  const Placed worker = placed(daemon.pid(), "vo-stereo-2");
+  daemon.send(SIGTERM);
+  const Finished end = daemon.wait();
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  ASSERT_NE(stage.policy, -1);
+  EXPECT_EQ(worker.policy, stage.policy);
+  if (end.err.find("without real-time rights: vo-stereo") == std::string::npos) {
+    EXPECT_EQ(stage.policy, SCHED_FIFO);
+  }
+  EXPECT_EQ(CPU_COUNT(&worker.cores), 1);
+  EXPECT_TRUE(CPU_ISSET(0, &worker.cores));
 }
 
 TEST(Daemon, WrongUsageEndsWithTwoAndOneLine) {
