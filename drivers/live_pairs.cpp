@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 
 namespace cliquevo::drivers {
 
@@ -15,6 +16,7 @@ constexpr std::int64_t kUtcWithinNs = 1'000'000'000;  // a clock this near the h
 constexpr double kClockRise = 1e-3;                   // share of a late arrival by which the offset follows drift
 constexpr auto kTick = std::chrono::milliseconds(100);
 constexpr std::int64_t kSilentNs = 1'000'000'000;
+constexpr double kRateOff = 0.2;  // of the rate that is set: another one
 
 }  // namespace
 
@@ -32,8 +34,22 @@ TimestampNs HostClock::to_utc(TimestampNs stamp_ns, TimestampNs arrival_utc_ns) 
   return stamp_ns + base_ns_ + std::llround(offset_ns_);
 }
 
+void EyeRate::add(TimestampNs stamp_ns) {
+  if (begun_ && stamp_ns > last_ns_) intervals_ns_[count_++ % kIntervals] = stamp_ns - last_ns_;
+  begun_ = true;
+  last_ns_ = stamp_ns;
+}
+
+double EyeRate::hz() const {
+  if (count_ < kIntervals) return 0.0;
+  auto sorted = intervals_ns_;
+  const auto middle = sorted.begin() + kIntervals / 2;
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  return 1e9 / static_cast<double>(*middle);
+}
+
 LivePairs::LivePairs(const PairSyncOptions& options, int width, int height)
-    : width_(width), height_(height), sync_(options) {}
+    : width_(width), height_(height), sync_(options), rate_hz_(options.rate_hz) {}
 
 bool LivePairs::keep(Eye eye, const LiveFrame& frame, std::uint32_t& token) {
   if (!frame.image.same_size(width_, height_)) {
@@ -84,6 +100,7 @@ void LivePairs::take_outcome() {
 
 void LivePairs::push(Eye eye, const LiveFrame& frame) {
   const std::lock_guard<std::mutex> lock(mutex_);
+  rates_[static_cast<std::size_t>(eye)].add(frame.stamp_ns);
   std::uint32_t token = 0;
   if (!keep(eye, frame, token)) return;
   sync_.push(eye, {frame.stamp_ns, frame.arrival_mono_ns, token, frame.sequence}, outcome_);
@@ -166,6 +183,15 @@ std::string LivePairs::status() const {
   add("late", left.late, right.late);
   add("doubled", left.doubled, right.doubled);
   add("uncertain", left.uncertain, right.uncertain);
+  const double left_hz = rates_[0].hz();
+  const double right_hz = rates_[1].hz();
+  const auto off = [this](double hz) { return hz > 0.0 && std::abs(hz - rate_hz_) > kRateOff * rate_hz_; };
+  if (off(left_hz) || off(right_hz)) {
+    char text[160];
+    std::snprintf(text, sizeof text, ", the eyes send %.1f and %.1f Hz where rate_hz is %.1f: give both that rate",
+                  left_hz, right_hz, rate_hz_);
+    out += text;
+  }
   if (overrun_ > 0) out += ", overrun " + std::to_string(overrun_);
   return out;
 }

@@ -2,6 +2,7 @@
 // Between the threads of two cameras and the one that takes pairs: keeps frames until they are paired, and counts.
 #pragma once
 
+#include <array>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -26,6 +27,21 @@ class HostClock {
   bool is_utc_ = false;
   double offset_ns_ = 0.0;  // to base_ns_
   std::int64_t base_ns_ = 0;
+};
+
+// How often an eye's camera exposes, by its own clock: the median of its last intervals, so that lost frames do not
+// count.
+class EyeRate {
+ public:
+  void add(TimestampNs stamp_ns);
+  double hz() const;  // 0 = not known yet
+
+ private:
+  static constexpr std::size_t kIntervals = 31;
+  std::array<std::int64_t, kIntervals> intervals_ns_{};
+  std::size_t count_ = 0;
+  TimestampNs last_ns_ = 0;
+  bool begun_ = false;
 };
 
 // A frame as its camera's thread has it.
@@ -92,6 +108,8 @@ class LivePairs {
   Store stores_[2];
   std::deque<Ready> ready_;
   HostClock clock_;
+  double rate_hz_;  // as set
+  EyeRate rates_[2];
   std::string states_[2];
   std::int64_t incomplete_[2] = {0, 0};
   std::int64_t most_waiting_[2] = {0, 0};

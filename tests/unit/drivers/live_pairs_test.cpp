@@ -72,6 +72,16 @@ TEST(LivePairs, FramesOfAnotherSizeAreIncompleteAndAnEyeAloneGivesNothing) {
   EXPECT_FALSE(pairs.next(pair));
 }
 
+TEST(LivePairs, EyesOfUnequalRatesAreToldWithWhatToDo) {
+  LivePairs pairs = make(true);
+  for (std::int64_t k = 0; k < 120; ++k) push(pairs, k, 0, k % 7 != 3);  // lost frames are no other rate
+  EXPECT_EQ(pairs.status().find("Hz"), std::string::npos) << pairs.status();
+  for (std::int64_t k = 120; k < 240; ++k) push(pairs, k, 0, k % 2 == 0);
+  EXPECT_NE(pairs.status().find("the eyes send 30.0 and 15.0 Hz where rate_hz is 30.0: give both that rate"),
+            std::string::npos)
+      << pairs.status();
+}
+
 TEST(HostClock, ACameraOfItsOwnTimeIsMappedByItsQuickestFrames) {
   HostClock clock;
   TimestampNs last = 0;
