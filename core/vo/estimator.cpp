@@ -129,9 +129,12 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     out.motion.covariance *= kVarianceFactor * std::max(kLeastVariance, 0.5 * residual * residual);
   }
   out.eigenvalue_ratio = spread_ratio(observations_);
-  out.status = validate(out.motion, out.eigenvalue_ratio, params_);
+  const double disparity_px =
+      params_.refine ? disparity_error_px(observations_, references_, out.motion.T_prev_cur, model_) : 0.0;
+  out.status = validate(out.motion, out.eigenvalue_ratio, disparity_px, params_);
   if (out.status == Status::valid && params_.refine) {
     out.unsteadiness_px = out.motion.error_px * excess_change(observations_, changes_);
+    if (out.unsteadiness_px > 0.0) out.unsteadiness_px *= surprise(out.motion);
     const CellVotes votes = support_.count(reference, current, disparity, out.motion.T_prev_cur, check, observations_);
     out.contradiction = votes.share();
     out.motion.covariance *= kFullCoverage / std::clamp(votes.coverage(), 0.05, kFullCoverage);

@@ -153,6 +153,9 @@ CellVotes Support::count(const Frame& reference, const Frame& current, ImageView
     const Feature& f = reference.features[static_cast<std::size_t>(o.feature)];
     votes_[cell_of(f.x, f.y)] = Vote::agrees;
   }
+  CellVotes out;
+  out.cells = static_cast<int>(votes_.size());
+  for (const Vote v : votes_) out.inliers += v == Vote::agrees ? 1 : 0;
   const RigidTransform T_cur_ref = T_ref_cur.inverse();
   const auto hear = [&](const std::vector<Feature>& witnesses) {
     for (const Feature& w : witnesses) {
@@ -167,8 +170,6 @@ CellVotes Support::count(const Frame& reference, const Frame& current, ImageView
   std::fill(asked_.begin(), asked_.end(), 0);
   hear(reference.features);  // the best of each cell come first
   hear(reference.witnesses);
-  CellVotes out;
-  out.cells = static_cast<int>(votes_.size());
   for (const Vote v : votes_) {
     out.agree += v == Vote::agrees ? 1 : 0;
     out.contradict += v == Vote::contradicts ? 1 : 0;

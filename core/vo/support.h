@@ -17,9 +17,10 @@ namespace cliquevo::vo {
 // Cells of the reference's image.
 struct CellVotes {
   int agree = 0;       // something in it moved as the motion says
+  int inliers = 0;     // even an inlier
   int cells = 0;       // in all
   int contradict = 0;  // its texture is nowhere near where the motion puts it, though nothing hides that place
-  double coverage() const { return cells > 0 ? static_cast<double>(agree) / cells : 0.0; }
+  double coverage() const { return cells > 0 ? static_cast<double>(inliers) / cells : 0.0; }
   double share() const { return agree + contradict > 0 ? static_cast<double>(contradict) / (agree + contradict) : 0.0; }
 };
 

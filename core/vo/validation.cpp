@@ -6,6 +6,13 @@
 
 namespace cliquevo::vo {
 
+namespace {
+constexpr double kLeastDifference = 0.01;  // of correlations: where both hardly differ, the ratio says nothing
+constexpr double kOffsetNoise = 0.15;      // px, of one frame's figure beyond its noise
+constexpr double kMostRunning = 2.0;       // px: a larger error is the eyes' own, and is learned
+constexpr double kMostSurprise = 3.0;
+}  // namespace
+
 double spread_ratio(const std::vector<Observation>& observations) {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, syy = 0;
   for (const Observation& o : observations) {
@@ -40,13 +47,37 @@ double excess_change(const std::vector<Observation>& observations, std::vector<f
     std::nth_element(scratch.begin(), middle, scratch.end());
     return static_cast<double>(*middle);
   };
-  return median(&Observation::change) - median(&Observation::difference);
+  const double change = median(&Observation::change);
+  const double difference = median(&Observation::difference);
+  return (change - difference) / std::max(kLeastDifference, std::min(change, difference));
 }
 
-Status validate(const Motion& motion, double eigenvalue_ratio, const VoParams& params) {
+double surprise(const Motion& motion) {
+  if (!(motion.offset_information > 0.0) || std::abs(motion.offset_px) > kMostRunning) return 1.0;
+  const double variance = kOffsetNoise * kOffsetNoise + 1.0 / motion.offset_information;
+  return std::min(kMostSurprise, 1.0 + motion.offset_px * motion.offset_px / variance);
+}
+
+double disparity_error_px(const std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
+                          const RigidTransform& T_prev_cur, const StereoModel& model) {
+  const RigidTransform T_cur_prev = T_prev_cur.inverse();
+  double n = 0.0, sum = 0.0;
+  for (const Observation& o : observations) {
+    if (!o.inlier) continue;
+    const Eigen::Vector3d in_ref = model.triangulate(o.uvd_ref.x(), o.uvd_ref.y(), o.uvd_ref.z());
+    const Eigen::Vector3d p = T_cur_prev * (T_prev_ref[static_cast<std::size_t>(o.reference)] * in_ref);
+    const double error = o.uvd_cur.z() + model.doffs_px - model.fx_px * model.baseline_m / p.z();
+    n += 1.0;
+    sum += error * error;
+  }
+  return n > 0.0 ? std::sqrt(sum / n) : 0.0;
+}
+
+Status validate(const Motion& motion, double eigenvalue_ratio, double disparity_error_px, const VoParams& params) {
   if (motion.inliers < params.min_inliers) return Status::too_few_features;
   if (eigenvalue_ratio < params.min_eigenvalue_ratio || !motion.converged) return Status::degenerate;
-  if (motion.error_px > params.max_reprojection_error_px) return Status::reprojection_error;
+  if (std::max(motion.error_px, disparity_error_px) > params.max_reprojection_error_px)
+    return Status::reprojection_error;
   return Status::valid;
 }
 

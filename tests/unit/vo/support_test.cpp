@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -45,6 +46,10 @@ class Scene {
     EXPECT_TRUE(vo.process(input).ok());
     return vo.estimate();
   }
+
+  ImageView<const std::uint8_t> left() const { return left_.cview(); }
+  ImageView<const std::uint8_t> right() const { return right_.cview(); }
+  ImageView<const std::int16_t> disparity() const { return disparity_.cview(); }
 
  private:
   struct Wave {
@@ -107,9 +112,78 @@ TEST(Support, SurfacesThatChangeMoreInTimeThanBetweenTheEyesAreTold) {
     observations[i].change = 0.1F + 0.001F * static_cast<float>(i);
     observations[i].difference = 0.02F;
   }
-  EXPECT_NEAR(excess_change(observations, scratch), 0.084, 1e-6);
+  EXPECT_NEAR(excess_change(observations, scratch), 0.084 / 0.02, 1e-5);
+  for (Observation& o : observations) std::swap(o.change, o.difference);
+  EXPECT_NEAR(excess_change(observations, scratch), -0.084 / 0.02, 1e-5) << "one of the eyes stands still";
+  for (Observation& o : observations) o.change = o.difference = 0.001F;
+  observations[0].change = 0.002F;
+  EXPECT_LT(excess_change(observations, scratch), 0.11) << "what hardly changes at all says nothing";
   for (Observation& o : observations) o.inlier = false;
   EXPECT_EQ(excess_change(observations, scratch), 0.0);
+}
+
+TEST(Support, AnErrorOfAllDisparitiesThatNobodyKnewOfIsASurprise) {
+  Motion motion;
+  motion.offset_information = 100.0;
+  motion.offset_px = 0.02;
+  EXPECT_LT(surprise(motion), 1.05);
+  motion.offset_px = -0.4;  // ground that runs, seen near and far
+  EXPECT_GT(surprise(motion), 2.9);
+  motion.offset_information = 0.1;
+  EXPECT_LT(surprise(motion), 1.05) << "a frame that knows little";
+  motion.offset_information = 0.0;
+  EXPECT_EQ(surprise(motion), 1.0);
+  motion.offset_information = 100.0;
+  motion.offset_px = 4.0;
+  EXPECT_EQ(surprise(motion), 1.0) << "the eyes' own error, which is to be learned";
+}
+
+TEST(Support, DisparitiesThatDoNotFitTheMotionAreReported) {
+  const std::vector<RigidTransform> references(1);
+  std::vector<Observation> observations(20);
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const double x = 20.0 + 14.0 * static_cast<double>(i);
+    observations[i].uvd_ref = {x, 80.0, 10.0};
+    observations[i].uvd_cur = {x, 80.0, i % 2 == 0 ? 11.0 : 9.0};
+  }
+  observations.back().inlier = false;
+  observations.back().uvd_cur.z() = 40.0;
+  const double off = disparity_error_px(observations, references, RigidTransform{}, kModel);
+  EXPECT_NEAR(off, 1.0, 1e-9);
+  Motion motion;
+  motion.converged = true;
+  motion.inliers = 19;
+  motion.error_px = 0.2;
+  EXPECT_EQ(validate(motion, 0.5, off, {}), Status::reprojection_error);
+  EXPECT_EQ(validate(motion, 0.5, 0.3, {}), Status::valid);
+}
+
+TEST(Support, AFewInliersStandForTheirOwnCellsAlone) {
+  Scene scene;
+  VisualOdometry vo = make();
+  scene.show(vo, 0, 0, 0.0, 0.0);
+  const VoParams params;
+  Frame frame(params);
+  frame.left.copy_from(scene.left());
+  frame.right.copy_from(scene.right());
+  for (int y = 30; y < 220; y += 20) {
+    for (int x = 40; x < 290; x += 20) {
+      Feature f;
+      f.x = x;
+      f.y = y;
+      f.disparity_px = f.raw_disparity_px = 20.0;
+      frame.features.push_back(f);
+    }
+  }
+  std::vector<Observation> observations(3);
+  for (std::size_t i = 0; i < observations.size(); ++i) observations[i].feature = static_cast<int>(40 * i);
+  Support support(kModel);
+  const SelfCheck check(kModel, params);
+  support.choose_witnesses(scene.disparity(), frame);
+  const CellVotes votes = support.count(frame, frame, scene.disparity(), RigidTransform{}, check, observations);
+  EXPECT_EQ(votes.inliers, 3);
+  EXPECT_GT(votes.agree, 20) << "the rest of the picture agrees";
+  EXPECT_NEAR(votes.coverage(), 3.0 / votes.cells, 1e-12) << "and yet the motion rests on three places";
 }
 
 }  // namespace
