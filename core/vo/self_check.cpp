@@ -89,7 +89,7 @@ void SelfCheck::reset() {
 std::size_t SelfCheck::place_of(double u_px, double v_px) const {
   const int x = std::clamp(static_cast<int>(kPlaces * u_px / model_.width), 0, kPlaces - 1);
   const int y = std::clamp(static_cast<int>(kPlaces * v_px / model_.height), 0, kPlaces - 1);
-  return static_cast<std::size_t>(y * kPlaces + x);
+  return static_cast<std::size_t>(y) * kPlaces + static_cast<std::size_t>(x);
 }
 
 SelfCheck::Terms SelfCheck::terms(double u_px, double v_px) const {

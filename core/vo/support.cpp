@@ -115,7 +115,7 @@ Support::Vote Support::ask(const Feature& f, const Frame& reference, const Frame
   const double area = ax.x() * ay.y() - ax.y() * ay.x();
   if (!(area > 1.0 / kMostChange && area < kMostChange)) return Vote::none;
   // Hidden by something else, or not known: then the place says nothing.
-  const std::int16_t there = disparity(static_cast<int>(uv.x() + 0.5), static_cast<int>(uv.y() + 0.5));
+  const std::int16_t there = disparity(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
   if (there == kUnknownDisparity) return Vote::none;
   const double expected = model_.fx_px * model_.baseline_m / p.z() - model_.doffs_px;
   const double seen = there / static_cast<double>(kDisparityScale) - check.disparity_error_px(uv.x(), uv.y());

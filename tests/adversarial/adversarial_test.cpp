@@ -72,9 +72,10 @@ void run_cases(std::uint64_t count, bool (*wanted)(Kind)) {
       if (i >= c.judged_from && c.solvable[i]) {
         ++tally.solvable;
         tally.solved += valid ? 1 : 0;
-        if (talk && !valid)
+        if (talk && !valid) {
           fmt::print("unsolved {} {}, frame {}: {}, contradiction {:.3f}, unsteadiness {:.4f} px\n", kind_name(c.kind),
                      c.text, i, status_name(e.status), e.contradiction, e.unsteadiness_px);
+        }
       }
     }
   }

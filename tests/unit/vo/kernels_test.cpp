@@ -114,7 +114,8 @@ TEST_P(VoKernels, SampleAndSumPatchesToTheReferencesBits) {
     grid.row = (2 * radius + kPatchLanes) / kPatchLanes * kPatchLanes;
     for (int i = 0; i < grid.side * grid.side; ++i) {
       grid.dx[i] = static_cast<float>(i % grid.side - radius - 1);
-      grid.dy[i] = static_cast<float>(i / grid.side - radius - 1);
+      const int row = i / grid.side;
+      grid.dy[i] = static_cast<float>(row - radius - 1);
     }
     for (int i = 0; i < 2 * radius + 1; ++i) grid.inside[i] = 1.0F;
     for (int trial = 0; trial < 50; ++trial) {
