@@ -76,8 +76,8 @@ double disparity_error_px(const std::vector<Observation>& observations, const st
 Status validate(const Motion& motion, double eigenvalue_ratio, double disparity_error_px, const VoParams& params) {
   if (motion.inliers < params.min_inliers) return Status::too_few_features;
   if (eigenvalue_ratio < params.min_eigenvalue_ratio || !motion.converged) return Status::degenerate;
-  if (std::max(motion.error_px, disparity_error_px) > params.max_reprojection_error_px)
-    return Status::reprojection_error;
+  const double error_px = std::max(motion.error_px, disparity_error_px);
+  if (error_px > params.max_reprojection_error_px) return Status::reprojection_error;
   return Status::valid;
 }
 
