@@ -18,7 +18,7 @@ namespace {
 constexpr int kBuffers = 16;
 constexpr int kSocketBuffer = 8 << 20;
 constexpr int kPriority = 20;  // of who takes packets: below stereo and odometry, above all that may wait
-constexpr double kHopePeriods = 0.25;
+constexpr double kHopePeriods = 0.5;
 constexpr int kNice = -10;                              // where that right is not granted
 constexpr std::uint32_t kActionDeviceKey = 0x636c7176;  // "clqv"
 constexpr std::uint32_t kActionGroupKey = 1;
@@ -262,6 +262,9 @@ Result<void> AravisCamera::open_stream(const CameraOptions& options) {
       arv_camera_gv_auto_packet_size(camera_.get(), error.out());
     }
     if (error.failed()) return refused("the packet size", error.text());
+    // The packet socket, which root would get, hands packets on in blocks of up to 5 ms: late, and of a frame across two
+    // blocks the second half counts as lost at high rates.
+    arv_camera_gv_set_stream_options(camera_.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
   }
   const auto on_event = [](void*, ArvStreamCallbackType event, ArvBuffer*) {
     if (event == ARV_STREAM_CALLBACK_TYPE_INIT) hurry_this_thread();
