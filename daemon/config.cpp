@@ -16,6 +16,7 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include "core/rt/handover.h"
 #include "daemon/config_keys.h"
 
 namespace cliquevo::daemon {
@@ -330,6 +331,10 @@ Result<void> Config::check() const {
                                       std::pair{"realtime.odometry_priority", realtime.odometry_priority},
                                       std::pair{"realtime.output_priority", realtime.output_priority}}) {
     if (priority < 0 || priority > 99) return own_range(key, "give 0 (ordinary), or 1 to 99");
+  }
+  if (realtime.catch_up_frames < 0 || realtime.catch_up_frames > rt::Handover::kMostBacklog) {
+    static_assert(rt::Handover::kMostBacklog == 15);
+    return own_range("realtime.catch_up_frames", "give 0 to 15");
   }
   if (auto ok = in_section("source.cameras", source.cameras.check()); !ok) return ok;
   if (source.is_live()) {

@@ -165,6 +165,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("realtime.stereo_priority", c.realtime.stereo_priority);
   v.key("realtime.odometry_priority", c.realtime.odometry_priority);
   v.key("realtime.output_priority", c.realtime.output_priority);
+  v.key("realtime.catch_up_frames", c.realtime.catch_up_frames);
 
   v.file("recording.folder", c.recording.folder);
   v.key("recording.at_start", c.recording.at_start);

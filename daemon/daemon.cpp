@@ -300,6 +300,7 @@ int run(const DaemonOptions& options) {
   pipeline_options.odometry.cpu = config->realtime.odometry_cpu;
   pipeline_options.odometry.fifo_priority = config->realtime.odometry_priority;
   pipeline_options.output.fifo_priority = config->realtime.output_priority;
+  pipeline_options.catch_up_frames = config->realtime.catch_up_frames;
   const std::string description = info.description;
   auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(*source), recording));
   if (!pipeline) return report(pipeline.error()), kBadInput;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <utility>
@@ -17,8 +18,8 @@ namespace cliquevo::daemon {
 namespace {
 
 constexpr int kNone = rt::Handover::kNone;
-// One each in the grabber's, the stereo's and the odometry's hands and in the two places between them; one to spare.
-constexpr int kSlots = 6;
+// One each in the grabber's, the stereo's and the odometry's hands and at least one between them; one to spare.
+constexpr int slots_for(int backlog) { return 2 * backlog + 6; }
 // Estimates that wait for the output: eight seconds at 30 Hz before one is lost.
 constexpr std::size_t kOutgoing = 256;
 constexpr std::int64_t kPollNs = 20'000'000;    // how often a wait looks whether it should stop
@@ -52,6 +53,14 @@ class Progress {
   std::atomic<std::int64_t> last_activity_ns_{0};
 };
 
+PipelineOptions for_source(PipelineOptions options, const drivers::FrameSource& source) {
+  if (source.info().live) {
+    options.speed = 1.0;
+    options.errors_are_final = false;
+  }
+  return options;
+}
+
 struct Outgoing {
   PublishedFrame frame;
   std::int64_t grabbed_mono_ns = 0;
@@ -71,12 +80,10 @@ const char* span_name(Span span) {
 
 struct Pipeline::Impl {
   Impl(const PipelineOptions& options_, PipelineWork work_, std::unique_ptr<drivers::FrameSource> source_)
-      : options(options_), work(std::move(work_)), source(std::move(source_)), live(source->info().live) {
-    if (live) {
-      options.speed = 1.0;
-      options.errors_are_final = false;
-    }
-  }
+      : options(for_source(options_, *source_)),
+        work(std::move(work_)),
+        source(std::move(source_)),
+        live(source->info().live) {}
 
   // ---- the four threads
   void grab();
@@ -106,9 +113,10 @@ struct Pipeline::Impl {
   std::unique_ptr<drivers::FrameSource> source;
   bool live;
 
-  rt::SlotPool<FrameSlot> slots{kSlots, kReturningThreads};
-  rt::Handover to_stereo;
-  rt::Handover to_odometry;
+  int backlog = lossless() ? 0 : std::clamp(options.catch_up_frames, 0, rt::Handover::kMostBacklog);
+  rt::SlotPool<FrameSlot> slots{slots_for(backlog), kReturningThreads};
+  rt::Handover to_stereo{backlog};
+  rt::Handover to_odometry{backlog};
   rt::Ring<Outgoing> outgoing{kOutgoing};
   rt::Wakeup stop_wakeup;
   std::atomic<bool> stop_asked{false};
@@ -153,7 +161,7 @@ void Pipeline::Impl::grab() {
   Pacer pacer(lossless() ? 1.0 : options.speed);
   while (!stopping()) {
     const int index = slots.acquire();
-    if (index == kNone) {  // cannot be: see kSlots
+    if (index == kNone) {  // cannot be: see slots_for()
       sleep_until(monotonic_ns() + kPollNs);
       continue;
     }
@@ -184,11 +192,11 @@ void Pipeline::Impl::grab() {
     slot.grabbed_mono_ns = monotonic_ns();
     grabbed.fetch_add(1, std::memory_order_relaxed);
     progress(Stage::stereo).entered();
-    const int skipped = to_stereo.put(index);
-    if (skipped == kNone) continue;
-    slots.release(skipped);
-    progress(Stage::stereo).skipped();
-    dropped_before_stereo.fetch_add(1, std::memory_order_relaxed);
+    to_stereo.put(index, [this](int skipped) {
+      slots.release(skipped);
+      progress(Stage::stereo).skipped();
+      dropped_before_stereo.fetch_add(1, std::memory_order_relaxed);
+    });
   }
   to_stereo.close();
 }
@@ -211,12 +219,11 @@ void Pipeline::Impl::stereo() {
     }
     if (lossless()) to_odometry.wait_until_taken();
     progress(Stage::odometry).entered();
-    const int skipped = to_odometry.put(index);
-    if (skipped != kNone) {
+    to_odometry.put(index, [this](int skipped) {
       slots.give_back(kFromStereo, skipped);
       progress(Stage::odometry).skipped();
       dropped_before_odometry.fetch_add(1, std::memory_order_relaxed);
-    }
+    });
     progress(Stage::stereo).done();
   }
   to_odometry.close();

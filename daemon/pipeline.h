@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The way of a frame on threads: grab -> stereo -> odometry -> output. Between grab, stereo and odometry the newest
-// frame wins; what the odometry has seen goes out in order and once.
+// The way of a frame on threads: grab -> stereo -> odometry -> output. Between grab, stereo and odometry a hiccup is
+// caught up with, and under overload the newest frame wins; what the odometry has seen goes out in order and once.
 #pragma once
 
 #include <cstdint>
@@ -22,6 +22,8 @@ struct PipelineOptions {
   // A live source sets the pace itself, and its errors are counted; these two are for the others.
   double speed = 1.0;            // times the source's own pace; 0: each frame waits for the one before, none is dropped
   bool errors_are_final = true;  // of the source and of single frames: end with it (recordings), or count and go on
+  // How many frames may wait behind another, before stereo and before odometry: rt::Handover's backlog.
+  int catch_up_frames = 5;
   rt::ThreadOptions stereo{.name = "vo-stereo"};
   rt::ThreadOptions odometry{.name = "vo-odometry"};
   rt::ThreadOptions output{.name = "vo-output"};

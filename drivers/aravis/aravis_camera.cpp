@@ -262,8 +262,8 @@ Result<void> AravisCamera::open_stream(const CameraOptions& options) {
       arv_camera_gv_auto_packet_size(camera_.get(), error.out());
     }
     if (error.failed()) return refused("the packet size", error.text());
-    // The packet socket, which root would get, hands packets on in blocks of up to 5 ms: late, and of a frame across two
-    // blocks the second half counts as lost at high rates.
+    // The packet socket, which root would get, hands packets on in blocks of up to 5 ms: late, and of a frame across
+    // two blocks the second half counts as lost at high rates.
     arv_camera_gv_set_stream_options(camera_.get(), ARV_GV_STREAM_OPTION_PACKET_SOCKET_DISABLED);
   }
   const auto on_event = [](void*, ArvStreamCallbackType event, ArvBuffer*) {

@@ -144,6 +144,30 @@ TEST(Pipeline, UnderOverloadTheNewestFrameIsTakenAndTheOthersAreCounted) {
   }
 }
 
+// The stage stands still once, for a few frames, and is quick otherwise.
+TEST(Pipeline, AHiccupOfAStageLosesNoFrame) {
+  static constexpr std::int64_t kFrames = 24;
+  static constexpr std::int64_t kAt = 12;
+  for (const bool stereo_hiccups : {true, false}) {
+    Bench bench;
+    auto source = std::make_unique<Counter>(kFrames, 50.0);
+    const Counter& counter = *source;
+    PipelineWork work = bench.work();
+    auto& stage = stereo_hiccups ? work.stereo : work.odometry;
+    stage = [&counter, quick = stage](FrameSlot& slot) {
+      // Until three more are given at least; the fourth is being waited for then.
+      while (slot.pair.index == kAt && counter.given < kAt + 5) nap_ms(0.2);
+      return quick(slot);
+    };
+    auto pipeline = Pipeline::start({.speed = 1.0, .catch_up_frames = 15}, work, std::move(source));
+    ASSERT_TRUE(pipeline.ok());
+    ASSERT_TRUE(pipeline->wait_finished(60 * kSecondNs));
+    expect_consistent(bench, pipeline->counts());
+    EXPECT_EQ(pipeline->counts().dropped, 0);
+    EXPECT_EQ(pipeline->counts().published, kFrames);
+  }
+}
+
 TEST(Pipeline, AStopLetsTheFramesOnTheirWayOut) {
   Bench bench;
   bench.stereo_ms = 5.0;
