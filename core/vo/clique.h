@@ -40,12 +40,8 @@ class CliqueFinder {
   std::vector<std::uint64_t> adjacency_;
   std::vector<int> degree_;
   std::vector<std::uint64_t> candidates_;
-  struct Node {  // single precision: the distances are compared with centimetres
-    float a[3], b[3];
-    float range_a[3], range_b[3];  // one sigma along the viewing ray
-    float lateral;                 // variance across it, both frames together
-  };
-  std::vector<Node> nodes_;
+  std::vector<float> storage_;  // the graph kernel's fields, one after the other
+  std::size_t stride_ = 0;      // from one field to the next
 };
 
 }  // namespace cliquevo::vo

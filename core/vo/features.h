@@ -40,10 +40,13 @@ class FeatureDetector {
 
  private:
   struct Corner {
-    int x, y, score;
+    std::int16_t x, y, score;
+  };
+  struct Cell {
+    std::vector<Corner> corners;  // the best first, as far as they are in order
+    std::size_t in_order = 0;
   };
   void find_corners(ImageView<const std::uint8_t> image, int threshold);
-  void suppress_non_maxima();
   int next_threshold(int threshold) const;
   void count_usable(ImageView<const std::int16_t> disparity, ImageView<const std::uint8_t> mask,
                     double disparity_offset_px);
@@ -51,12 +54,12 @@ class FeatureDetector {
 
   StereoModel model_;
   VoParams params_;
-  std::vector<Corner> corners_;
-  std::vector<int> row_begin_;  // first corner of each row
-  std::vector<std::uint8_t> keep_;
-  std::array<int, 256> usable_{};  // corners of each score or a higher one
-  int likely_threshold_;           // the last picture's; only the time it takes depends on it
-  std::vector<std::vector<Corner>> cells_;
+  std::vector<Corner> corners_;        // in reading order
+  Image<std::uint8_t> scores_;         // three rows in turn, with room around
+  std::vector<std::int16_t> columns_;  // of a row's maxima
+  std::array<int, 256> usable_{};      // corners of each score or a higher one
+  int likely_threshold_;               // the last picture's; only the time it takes depends on it
+  std::vector<Cell> cells_;
 };
 
 }  // namespace cliquevo::vo

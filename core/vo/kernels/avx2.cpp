@@ -2,6 +2,7 @@
 #include <immintrin.h>
 
 #include "core/vo/kernels/byte_rows.h"
+#include "core/vo/kernels/graph_rows.h"
 #include "core/vo/kernels/motion_sums.h"
 #include "core/vo/kernels/patch_sums.h"
 #include "core/vo/kernels/tables.h"
@@ -23,6 +24,9 @@ struct Avx2Bytes {
   static Reg equal16(Reg a, Reg b) { return _mm256_cmpeq_epi16(a, b); }
   static Reg select(Reg mask, Reg a, Reg b) { return _mm256_blendv_epi8(b, a, mask); }
   static Reg subtract_saturated(Reg a, Reg b) { return _mm256_subs_epu8(a, b); }
+  static Reg equal8(Reg a, Reg b) { return _mm256_cmpeq_epi8(a, b); }
+  static constexpr int kBitsPerByte = 1;
+  static std::uint64_t bits(Reg mask) { return static_cast<std::uint32_t>(_mm256_movemask_epi8(mask)); }
   static bool any(Reg mask) { return _mm256_movemask_epi8(mask) != 0; }
   static bool any_above(Reg a, Reg b) { return _mm256_testz_si256(subtract_saturated(a, b), broadcast8(-1)) == 0; }
   static Reg sad(Reg a, Reg b) { return _mm256_sad_epu8(a, b); }
@@ -68,13 +72,10 @@ void patch_sample(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff
 
 }  // namespace
 
-const Kernels kAvx2Kernels = {fast_row_of<Avx2Bytes>,
-                              sad_row_of<Avx2Bytes>,
-                              row_minimum_of<Avx2Bytes>,
-                              patch_sample,
-                              patch_inner_of<VectorFloats>,
-                              patch_sums_of<VectorFloats, true>,
-                              patch_sums_of<VectorFloats, false>,
-                              motion_sums_of<VectorPack>};
+const Kernels kAvx2Kernels = {
+    fast_row_of<Avx2Bytes>,       maxima_row_of<Avx2Bytes>,          sad_row_of<Avx2Bytes>,
+    row_minimum_of<Avx2Bytes>,    graph_row_of<VectorFloats>,        patch_sample,
+    patch_inner_of<VectorFloats>, patch_sums_of<VectorFloats, true>, patch_sums_of<VectorFloats, false>,
+    motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo

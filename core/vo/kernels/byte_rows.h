@@ -26,24 +26,31 @@ inline typename V::Reg best_arc(const typename V::Reg (&m)[16]) {
 }
 
 template <class V>
-int fast_row_of(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::int16_t* columns,
-                std::uint8_t* scores) {
+void fast_row_of(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::uint8_t* scores) {
   using Reg = typename V::Reg;
   constexpr int kBytes = V::kBytes;
-  if (x1 - x0 < kBytes) return kReferenceKernels.fast_row(row, stride, x0, x1, threshold, columns, scores);
+  if (x1 - x0 < kBytes) return kReferenceKernels.fast_row(row, stride, x0, x1, threshold, scores);
   std::ptrdiff_t offsets[16];
   circle_offsets(stride, offsets);
   const Reg t = V::broadcast8(threshold);
-  int n = 0;
+  const Reg one = V::broadcast8(1);
   for (int next = x0; next < x1; next += kBytes) {
     const int x = next + kBytes <= x1 ? next : x1 - kBytes;  // the last pack overlaps the one before
     const std::uint8_t* p = row + x;
     const Reg c = V::load(p);
     const auto brighter = [&](int i) { return V::subtract_saturated(V::load(p + offsets[i]), c); };
     const auto darker = [&](int i) { return V::subtract_saturated(c, V::load(p + offsets[i])); };
-    // Nine contiguous pixels hold at least one of each opposite pair: reject by the four on the axes first.
-    const Reg b = V::min8(V::max8(brighter(0), brighter(8)), V::max8(brighter(4), brighter(12)));
-    const Reg d = V::min8(V::max8(darker(0), darker(8)), V::max8(darker(4), darker(12)));
+    // Nine contiguous pixels hold at least one of each opposite pair: reject by those on the axes first, then by the
+    // diagonal ones.
+    const auto crossed = [&](const auto& side, int i) {
+      return V::min8(V::max8(side(i), side(i + 8)), V::max8(side(i + 4), side((i + 12) & 15)));
+    };
+    Reg b = crossed(brighter, 0);
+    Reg d = crossed(darker, 0);
+    V::store(scores + x, V::zero());
+    if (!V::any_above(V::max8(b, d), t)) continue;
+    b = V::min8(b, crossed(brighter, 2));
+    d = V::min8(d, crossed(darker, 2));
     if (!V::any_above(V::max8(b, d), t)) continue;
     Reg bright[16];
     Reg dark[16];
@@ -52,13 +59,35 @@ int fast_row_of(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, 
       dark[i] = darker(i);
     }
     const Reg best = V::max8(best_arc<V>(bright), best_arc<V>(dark));
-    if (!V::any_above(best, t)) continue;
-    std::uint8_t found[kBytes];
-    V::store(found, best);
-    for (int i = next - x; i < kBytes; ++i) {
-      if (found[i] <= threshold) continue;
-      columns[n] = static_cast<std::int16_t>(x + i);
-      scores[n++] = static_cast<std::uint8_t>(found[i] - 1);
+    const Reg below = V::equal8(V::subtract_saturated(best, t), V::zero());
+    V::store(scores + x, V::select(below, V::zero(), V::subtract_saturated(best, one)));
+  }
+}
+
+template <class V>
+int maxima_row_of(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int x0, int x1,
+                  std::int16_t* columns) {
+  using Reg = typename V::Reg;
+  constexpr int kBytes = V::kBytes;
+  if (x1 - x0 < kBytes) return kReferenceKernels.maxima_row(above, row, below, x0, x1, columns);
+  int n = 0;
+  for (int next = x0; next < x1; next += kBytes) {
+    const int x = next + kBytes <= x1 ? next : x1 - kBytes;
+    const Reg s = V::load(row + x);
+    if (!V::any_above(s, V::zero())) continue;
+    const Reg before = V::max8(V::max8(V::load(above + x - 1), V::load(above + x)),
+                               V::max8(V::load(above + x + 1), V::load(row + x - 1)));
+    const Reg after = V::max8(V::max8(V::load(below + x - 1), V::load(below + x)),
+                              V::max8(V::load(below + x + 1), V::load(row + x + 1)));
+    // s > before and s >= after
+    const Reg beaten = V::equal8(V::subtract_saturated(s, before), V::zero());
+    const Reg wins = V::select(beaten, V::zero(), V::equal8(V::max8(s, after), s));
+    std::uint64_t bits = V::bits(wins) >> (V::kBitsPerByte * (next - x));
+    constexpr std::uint64_t kByte = (std::uint64_t{1} << V::kBitsPerByte) - 1;
+    while (bits != 0) {
+      const int place = __builtin_ctzll(bits);
+      columns[n++] = static_cast<std::int16_t>(next + place / V::kBitsPerByte);
+      bits &= ~(kByte << place);
     }
   }
   return n;

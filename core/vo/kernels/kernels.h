@@ -87,12 +87,43 @@ struct PatchSums {
   float w, ww, tw, gx, gy, gxx, gxy, gyy, gxt, gyt, gxw, gyw;
 };
 
+// Step A4's test on the matches' mutual distances, one array a quantity; single precision, as the distances are
+// compared with centimetres. Each is readable up to the next multiple of kGraphLanes.
+inline constexpr int kGraphLanes = 8;
+enum GraphField {
+  kAx,
+  kAy,
+  kAz,  // point in the one frame, m
+  kBx,
+  kBy,
+  kBz,  // in the other
+  kRangeAx,
+  kRangeAy,
+  kRangeAz,  // one sigma along the viewing ray, m
+  kRangeBx,
+  kRangeBy,
+  kRangeBz,
+  kLateral,  // variance across it, both frames together, m^2
+  kGraphFields
+};
+struct GraphNodes {
+  const float* field[kGraphFields];
+  int count;
+};
+struct GraphTest {
+  float least2;   // lengths may differ by so much, m^2, ...
+  float sigmas2;  // ... or by so many variances
+};
+
 struct Kernels {
-  // FAST-9 corners of one row: pixels x0 <= x < x1 of `row` (3 px of image on every side) with 9 contiguous pixels of
-  // the 16 on the circle all brighter than centre + threshold or all darker than centre - threshold. Writes columns in
-  // rising order and scores (the largest threshold that would still hold, <= 255); returns their number.
-  int (*fast_row)(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::int16_t* columns,
-                  std::uint8_t* scores);
+  // FAST-9 of one row: pixels x0 <= x < x1 of `row` (3 px of image on every side) with 9 contiguous pixels of the 16 on
+  // the circle all brighter than centre + threshold or all darker than centre - threshold. Writes scores[x]: the
+  // largest threshold that would still hold, 0 where `threshold` >= 1 does not.
+  void (*fast_row)(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::uint8_t* scores);
+  // Columns x0 <= x < x1, rising, whose score is above 0 and no less than those of their eight neighbours (of equals,
+  // the first in reading order); returns their number. A column is readable before x0 and behind x1.
+  int (*maxima_row)(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int x0, int x1,
+                    std::int16_t* columns);
   // Step A2': sums of absolute differences between one descriptor and `count` others, kDescriptorStride bytes apart;
   // `length` bytes each, rounded up to a multiple of 32 (the rest is 0).
   void (*sad_row)(const std::uint8_t* descriptor, const std::uint8_t* others, int count, int length,
@@ -101,6 +132,8 @@ struct Kernels {
   // has it are kept up to date, beginning with 65535 and -1.
   int (*row_minimum)(const std::uint16_t* scores, int count, int row, std::uint16_t* column_score,
                      std::int16_t* column_best);
+  // Step A4: which nodes keep their distance to `node`: bit j % 8 of bits[j / 8] for j < count, the rest 0.
+  void (*graph_row)(const GraphNodes& nodes, int node, const GraphTest& test, std::uint8_t* bits);
   // Bilinear samples of the image less `mean`. The caller has made sure that all lie inside, 3 px from the right and
   // the lower border.
   void (*patch_sample)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,

@@ -2,6 +2,7 @@
 #include <arm_neon.h>
 
 #include "core/vo/kernels/byte_rows.h"
+#include "core/vo/kernels/graph_rows.h"
 #include "core/vo/kernels/motion_sums.h"
 #include "core/vo/kernels/patch_sums.h"
 #include "core/vo/kernels/tables.h"
@@ -25,6 +26,9 @@ struct NeonBytes {
   static Reg equal16(Reg a, Reg b) { return bytes(vceqq_u16(words(a), words(b))); }
   static Reg select(Reg mask, Reg a, Reg b) { return vbslq_u8(mask, a, b); }
   static Reg subtract_saturated(Reg a, Reg b) { return vqsubq_u8(a, b); }
+  static Reg equal8(Reg a, Reg b) { return vceqq_u8(a, b); }
+  static constexpr int kBitsPerByte = 4;
+  static std::uint64_t bits(Reg mask) { return vget_lane_u64(vreinterpret_u64_u8(vshrn_n_u16(words(mask), 4)), 0); }
   static bool any(Reg mask) { return vmaxvq_u8(mask) != 0; }
   static bool any_above(Reg a, Reg b) { return vmaxvq_u8(vqsubq_u8(a, b)) != 0; }
   // Sums of pairs, in 16 bits.
@@ -40,13 +44,10 @@ struct NeonBytes {
 
 }  // namespace
 
-const Kernels kNeonKernels = {fast_row_of<NeonBytes>,
-                              sad_row_of<NeonBytes>,
-                              row_minimum_of<NeonBytes>,
-                              patch_sample_plain,
-                              patch_inner_of<VectorFloats>,
-                              patch_sums_of<VectorFloats, true>,
-                              patch_sums_of<VectorFloats, false>,
-                              motion_sums_of<VectorPack>};
+const Kernels kNeonKernels = {
+    fast_row_of<NeonBytes>,       maxima_row_of<NeonBytes>,          sad_row_of<NeonBytes>,
+    row_minimum_of<NeonBytes>,    graph_row_of<VectorFloats>,        patch_sample_plain,
+    patch_inner_of<VectorFloats>, patch_sums_of<VectorFloats, true>, patch_sums_of<VectorFloats, false>,
+    motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo

@@ -3,6 +3,7 @@
 #include <cstdlib>
 
 #include "core/vo/kernels/fast_circle.h"
+#include "core/vo/kernels/graph_rows.h"
 #include "core/vo/kernels/motion_sums.h"
 #include "core/vo/kernels/patch_sums.h"
 #include "core/vo/kernels/tables.h"
@@ -10,16 +11,23 @@
 namespace cliquevo::vo {
 namespace {
 
-int fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::int16_t* columns,
-             std::uint8_t* scores) {
+void fast_row(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1, int threshold, std::uint8_t* scores) {
   std::ptrdiff_t offsets[16];
   circle_offsets(stride, offsets);
-  int n = 0;
   for (int x = x0; x < x1; ++x) {
     const int score = fast_score(row + x, offsets);
-    if (score < threshold) continue;
-    columns[n] = static_cast<std::int16_t>(x);
-    scores[n++] = static_cast<std::uint8_t>(score);
+    scores[x] = static_cast<std::uint8_t>(score < threshold ? 0 : score);
+  }
+}
+
+int maxima_row(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int x0, int x1,
+               std::int16_t* columns) {
+  int n = 0;
+  for (int x = x0; x < x1; ++x) {
+    const std::uint8_t s = row[x];
+    const bool first = s > above[x - 1] && s > above[x] && s > above[x + 1] && s > row[x - 1];
+    const bool last = s >= row[x + 1] && s >= below[x - 1] && s >= below[x] && s >= below[x + 1];
+    if (first && last) columns[n++] = static_cast<std::int16_t>(x);
   }
   return n;
 }
@@ -48,8 +56,10 @@ int row_minimum(const std::uint16_t* scores, int count, int row, std::uint16_t* 
 }  // namespace
 
 const Kernels kReferenceKernels = {fast_row,
+                                   maxima_row,
                                    sad_row,
                                    row_minimum,
+                                   graph_row_of<PlainFloats>,
                                    patch_sample_plain,
                                    patch_inner_of<PlainFloats>,
                                    patch_sums_of<PlainFloats, true>,

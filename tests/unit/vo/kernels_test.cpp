@@ -36,21 +36,83 @@ TEST_P(VoKernels, FindTheReferencesCornersWithItsScoresOnEveryWidthAndThreshold)
         }
       }
       for (int y = 3; y < 28; ++y) {
-        std::vector<std::int16_t> columns_a(static_cast<std::size_t>(width)), columns_b = columns_a;
-        std::vector<std::uint8_t> scores_a(static_cast<std::size_t>(width)), scores_b = scores_a;
+        std::vector<std::uint8_t> scores_a(static_cast<std::size_t>(width), 7), scores_b = scores_a;
         const auto view = image.cview();
-        const int a =
-            reference.fast_row(view.row(y), view.stride, 3, width - 3, threshold, columns_a.data(), scores_a.data());
-        const int b =
-            kernel.fast_row(view.row(y), view.stride, 3, width - 3, threshold, columns_b.data(), scores_b.data());
-        ASSERT_EQ(a, b) << "width " << width << " threshold " << threshold << " row " << y;
-        columns_a.resize(static_cast<std::size_t>(a));
-        columns_b.resize(static_cast<std::size_t>(a));
-        scores_a.resize(static_cast<std::size_t>(a));
-        scores_b.resize(static_cast<std::size_t>(a));
-        EXPECT_EQ(columns_a, columns_b);
-        EXPECT_EQ(scores_a, scores_b);
+        reference.fast_row(view.row(y), view.stride, 3, width - 3, threshold, scores_a.data());
+        kernel.fast_row(view.row(y), view.stride, 3, width - 3, threshold, scores_b.data());
+        ASSERT_EQ(scores_a, scores_b) << "width " << width << " threshold " << threshold << " row " << y;
+        EXPECT_EQ(scores_b[2], 7) << "before the first";
+        EXPECT_EQ(scores_b[static_cast<std::size_t>(width) - 3], 7) << "behind the last";
       }
+    }
+  }
+}
+
+TEST_P(VoKernels, FindTheReferencesMaximaAlsoAmongEquals) {
+  std::mt19937 rng(13);
+  const Kernels& reference = *kernels_for(Isa::reference);
+  const Kernels& kernel = *kernels_for(GetParam());
+  for (const int width : {3, 17, 18, 33, 34, 35, 66, 131}) {
+    for (const unsigned levels : {2U, 5U, 256U}) {
+      std::vector<std::uint8_t> rows(3 * static_cast<std::size_t>(width));
+      for (int trial = 0; trial < 30; ++trial) {
+        for (auto& s : rows) s = static_cast<std::uint8_t>(rng() % 3 == 0 ? rng() % levels : 0);
+        std::vector<std::int16_t> columns_a(static_cast<std::size_t>(width)), columns_b = columns_a;
+        const std::uint8_t* above = rows.data();
+        const auto run = [&](const Kernels& k, std::vector<std::int16_t>& columns) {
+          columns.resize(static_cast<std::size_t>(
+              k.maxima_row(above, above + width, above + 2 * width, 1, width - 1, columns.data())));
+        };
+        run(reference, columns_a);
+        run(kernel, columns_b);
+        ASSERT_EQ(columns_a, columns_b) << "width " << width;
+        if (width > 100) {
+          EXPECT_FALSE(columns_a.empty());
+        }
+      }
+    }
+  }
+}
+
+TEST_P(VoKernels, FindTheReferencesConsistentMatches) {
+  std::mt19937 rng(14);
+  std::normal_distribution<float> coordinate(0.0F, 5.0F), error(0.0F, 0.05F);
+  const Kernels& reference = *kernels_for(Isa::reference);
+  const Kernels& kernel = *kernels_for(GetParam());
+  for (const int count : {1, 7, 8, 9, 64, 131}) {
+    constexpr std::size_t kStride = 136;
+    std::vector<float> storage(kStride * kGraphFields);
+    for (auto& v : storage) v = error(rng);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        storage[(kAx + k) * kStride + i] = coordinate(rng);
+        storage[(kBx + k) * kStride + i] = storage[(kAx + k) * kStride + i] + error(rng);
+      }
+      storage[kLateral * kStride + i] = 1e-4F;
+    }
+    if (count > 8) {  // one point twice: its distance is none
+      for (std::size_t f = 0; f < kGraphFields; ++f) storage[f * kStride + 8] = storage[f * kStride];
+    }
+    GraphNodes nodes{};
+    nodes.count = count;
+    for (std::size_t f = 0; f < kGraphFields; ++f) nodes.field[f] = storage.data() + f * kStride;
+    std::vector<std::vector<std::uint8_t>> rows;
+    for (const float sigmas2 : {0.0F, 9.0F}) {
+      const GraphTest test{0.0025F, sigmas2};
+      for (int i = 0; i < count; ++i) {
+        std::vector<std::uint8_t> a(18, 0x55), b = a;
+        reference.graph_row(nodes, i, test, a.data());
+        kernel.graph_row(nodes, i, test, b.data());
+        ASSERT_EQ(a, b) << count << " nodes, node " << i;
+        if (sigmas2 > 0.0F) rows.push_back(b);
+      }
+    }
+    const auto consistent = [&](int i, int j) {
+      return (rows[static_cast<std::size_t>(i)][static_cast<std::size_t>(j) / 8] >> (j % 8) & 1) != 0;
+    };
+    for (int i = 0; i < count; ++i) {
+      for (int j = 0; j < count; ++j) EXPECT_EQ(consistent(i, j), consistent(j, i));
+      EXPECT_TRUE(consistent(i, i));
     }
   }
 }
