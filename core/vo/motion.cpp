@@ -13,9 +13,9 @@ namespace {
 
 // Nearer than this a projected point cannot be judged: it is at or behind the camera.
 constexpr double kMinDepth = 1e-3;
-// Steps below these end the search: a thousandth of what noise does.
-constexpr double kSmallStep_m = 1e-6;
-constexpr double kSmallStep_rad = 1e-7;
+// A step that would gain less than this ends the search: it is three ten-thousandths of the solution's own standard
+// deviation.
+constexpr double kSmallGain = 1e-7;
 // Tightening.
 constexpr double kMedianSquaredSigmas = 2.4;  // of three components, where the sigmas are right
 constexpr double kTighten = 0.5;              // of the sigmas: noise below that is worth another solution ...
@@ -144,29 +144,29 @@ Vector6d vector_of(const double (&v)[6]) { return Eigen::Map<const Vector6d>(v);
 void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, RigidTransform& T, MotionSums& sums) const {
   accumulate(T_prev_ref, T, sums);
   double lambda = 1e-6;
+  bool at_T = true;  // each observation's error is that of T
   for (int iteration = 0; iteration < params_.solver_iterations; ++iteration) {
     Matrix6d H = matrix_of(sums);
     H.diagonal() *= 1.0 + lambda;
     const Vector6d step = H.ldlt().solve(vector_of(sums.g));
-    if (!step.allFinite()) return;
+    if (!step.allFinite() || step.dot(vector_of(sums.g)) < kSmallGain) break;
     RigidTransform candidate;  // the step perturbs T on the right
     const Eigen::Matrix3d dR = so3_exp(step.tail<3>());
     candidate.R = T.R * dR;
     candidate.t = T.t + T.R * step.head<3>();
     MotionSums next;
     accumulate(T_prev_ref, candidate, next);
-    const bool small = step.head<3>().norm() < kSmallStep_m && step.tail<3>().norm() < kSmallStep_rad;
-    if (next.cost <= sums.cost) {
+    at_T = next.cost <= sums.cost;
+    if (at_T) {
       T = candidate;
       sums = next;
-      if (small) return;
       lambda = std::max(1e-9, lambda * 0.1);
     } else {
       lambda *= 10.0;
-      if (small || lambda > 1e6) break;
+      if (lambda > 1e6) break;
     }
   }
-  accumulate(T_prev_ref, T, sums);  // leaves each observation's error as of the final T
+  if (!at_T) accumulate(T_prev_ref, T, sums);
 }
 
 Motion MotionSolver::solve_tightening(std::vector<Observation>& observations,
@@ -214,8 +214,13 @@ Motion MotionSolver::solve(std::vector<Observation>& observations, const std::ve
   const double* squared = storage_.data() + static_cast<std::size_t>(kSquared) * capacity_;
   double* active = storage_.data() + static_cast<std::size_t>(kActive) * capacity_;
   minimise(T_prev_ref, T, sums);
-  for (std::size_t i = 0; i < observations.size(); ++i) active[place(i)] = squared[place(i)] <= trim2 ? 1.0 : 0.0;
-  minimise(T_prev_ref, T, sums);
+  bool trimmed = false;
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const double keep = squared[place(i)] <= trim2 ? 1.0 : 0.0;
+    trimmed = trimmed || keep != active[place(i)];
+    active[place(i)] = keep;
+  }
+  if (trimmed) minimise(T_prev_ref, T, sums);
   double sum = 0.0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     Observation& o = observations[i];

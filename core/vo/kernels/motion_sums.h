@@ -4,6 +4,12 @@
 // the same, and so is every bit. Internal linkage on purpose: each kernel file is compiled with other machine options.
 #pragma once
 
+#if defined(__x86_64__)
+#include <immintrin.h>
+#elif defined(__aarch64__)
+#include <arm_neon.h>
+#endif
+
 #include "core/vo/kernels/kernels.h"
 
 namespace cliquevo::vo {
@@ -70,43 +76,56 @@ inline V all(double v) {
   for (int i = 0; i < kMotionLanes; ++i) set_lane(out, i, v);
   return out;
 }
-template <class V>
-inline V square_root(V v) {
+inline PlainPack square_root(PlainPack v) {
+  for (double& lane : v.lane) lane = __builtin_sqrt(lane);
+  return v;
+}
+#if defined(__AVX2__)
+inline VectorPack square_root(VectorPack v) { return _mm256_sqrt_pd(v); }
+#elif defined(__SSE2__)
+inline VectorPack square_root(VectorPack v) { return {{_mm_sqrt_pd(v.half[0]), _mm_sqrt_pd(v.half[1])}}; }
+#elif defined(__aarch64__)
+inline VectorPack square_root(VectorPack v) { return {{vsqrtq_f64(v.half[0]), vsqrtq_f64(v.half[1])}}; }
+#else
+inline VectorPack square_root(VectorPack v) {
   for (int i = 0; i < kMotionLanes; ++i) set_lane(v, i, __builtin_sqrt(lane_of(v, i)));
   return v;
 }
+#endif
 template <class V>
 inline double sum_lanes(V v) {
   return (lane_of(v, 0) + lane_of(v, 2)) + (lane_of(v, 1) + lane_of(v, 3));
 }
 
-// One way's weighted residual: the projection of `y` against the observation, with the Jacobian rows of y's change.
+// One way's weighted residual: the projection of a point against the observation. Its Jacobian's rows are (a, 0, -a x),
+// (0, b, -b y) and (0, 0, -c), with x, y the point's directions.
 template <class V>
 struct OneWay {
   V e[3], j[3], we[3], wj[3];  // residual; its change with the other frame's disparity; both weighted
-  V J[3][3];                   // projection Jacobian
+  V a, ax, b, by, c;           // the projection's Jacobian
   V s;                         // W = diag(w) - s (w j)(w j)^T
   V squared;                   // e^T W e
 };
 
 template <class V>
-inline void one_way(const MotionState& c, const V* y, const V* k, const V* observed, OneWay<V>& o) {
+[[gnu::always_inline]] inline void one_way(const MotionState& c, const V* y, const V* k, const V* observed,
+                                           OneWay<V>& o) {
   const V zero = all<V>(0.0);
   const V iz = all<V>(1.0) / y[2];
-  const V a = all<V>(c.fx) * iz;
-  const V b = all<V>(c.fy) * iz;
   const V xz = y[0] * iz;
   const V yz = y[1] * iz;
   const V fbz = all<V>(c.fx_baseline) * iz;
   o.e[0] = observed[0] - (all<V>(c.fx) * xz + all<V>(c.cx));
   o.e[1] = observed[1] - (all<V>(c.fy) * yz + all<V>(c.cy));
   o.e[2] = observed[2] - (fbz - all<V>(c.doffs));
-  o.J[0][0] = a, o.J[0][1] = zero, o.J[0][2] = zero - a * xz;
-  o.J[1][0] = zero, o.J[1][1] = b, o.J[1][2] = zero - b * yz;
-  o.J[2][0] = zero, o.J[2][1] = zero, o.J[2][2] = zero - fbz * iz;
-  o.j[0] = a * (k[0] - xz * k[2]);
-  o.j[1] = b * (k[1] - yz * k[2]);
-  o.j[2] = o.J[2][2] * k[2];
+  o.a = all<V>(c.fx) * iz;
+  o.b = all<V>(c.fy) * iz;
+  o.c = fbz * iz;
+  o.ax = o.a * xz;
+  o.by = o.b * yz;
+  o.j[0] = o.a * (k[0] - xz * k[2]);
+  o.j[1] = o.b * (k[1] - yz * k[2]);
+  o.j[2] = zero - o.c * k[2];
   const V wp = all<V>(c.weight_px);
   const V wd = all<V>(c.weight_d);
   const V w[3] = {wp, wp, wd};
@@ -121,56 +140,131 @@ inline void one_way(const MotionState& c, const V* y, const V* k, const V* obser
   const V variance = all<V>(c.variance_d);
   o.s = variance / (all<V>(1.0) + variance * jwj);
   o.squared = zero;
+  const V sjwe = o.s * jwe;
   for (int i = 0; i < 3; ++i) {
-    o.we[i] = o.we[i] - o.s * o.wj[i] * jwe;
+    o.we[i] = o.we[i] - o.wj[i] * sjwe;
     o.squared = o.squared + o.e[i] * o.we[i];
   }
 }
 
-// Adds weight * (A^T W A, A^T W e) and the same for the disparity offset.
+// One way's sums, of a perturbation (r, w) of the projected point y: dy = r + w x y. H: upper triangle, row by row.
 template <class V>
-inline void add_way(const MotionState& c, const OneWay<V>& o, const V (&A)[3][6], V weight, V (&H)[21], V (&g)[6],
-                    V (&h)[6], V& hh, V& og) {
+struct WaySums {
+  V H[21], g[6], h[6];
+  WaySums() {
+    for (V& v : H) v = all<V>(0.0);
+    for (V& v : g) v = all<V>(0.0);
+    for (V& v : h) v = all<V>(0.0);
+  }
+};
+
+template <class V>
+inline void cross(const V* v, const V* y, V* out) {
+  out[0] = v[1] * y[2] - v[2] * y[1];
+  out[1] = v[2] * y[0] - v[0] * y[2];
+  out[2] = v[0] * y[1] - v[1] * y[0];
+}
+
+// Adds weight * (A^T W A, A^T W e) and the same for the disparity offset; A = J D, where D v = r + w x y.
+template <class V>
+[[gnu::always_inline]] inline void add_way(const MotionState& c, const OneWay<V>& o, const V* y, V weight,
+                                           WaySums<V>& sums, V& hh, V& og) {
+  const V zero = all<V>(0.0);
   const V wp = all<V>(c.weight_px) * weight;
   const V wd = all<V>(c.weight_d) * weight;
-  const V w[3] = {wp, wp, wd};
   const V s = o.s * weight;
-  V we[3];
-  V wa[3];
-  V jwa = all<V>(0.0);
-  const V one = all<V>(1.0);
-  const V a[3] = {all<V>(0.0) - o.j[0], all<V>(0.0) - o.j[1], one - o.j[2]};
-  for (int i = 0; i < 3; ++i) jwa = jwa + o.wj[i] * a[i];
-  for (int i = 0; i < 3; ++i) {
-    we[i] = o.we[i] * weight;
-    wa[i] = w[i] * a[i] - s * o.wj[i] * jwa;
-    hh = hh + a[i] * wa[i];
-    og = og + o.e[i] * wa[i];
-  }
-  V WA[3][6];
-  V q[6];
-  for (int k = 0; k < 6; ++k) {
-    q[k] = o.wj[0] * A[0][k] + o.wj[1] * A[1][k] + o.wj[2] * A[2][k];
-    for (int i = 0; i < 3; ++i) WA[i][k] = w[i] * A[i][k];
-    g[k] = g[k] + (A[0][k] * we[0] + A[1][k] * we[1] + A[2][k] * we[2]);
-    h[k] = h[k] + (A[0][k] * wa[0] + A[1][k] * wa[1] + A[2][k] * wa[2]);
-  }
+  const V offset[3] = {zero - o.j[0], zero - o.j[1], all<V>(1.0) - o.j[2]};
+  const V jwa = o.wj[0] * offset[0] + o.wj[1] * offset[1] + o.wj[2] * offset[2];
+  const V sjwa = s * jwa;
+  const V wa[3] = {wp * offset[0] - sjwa * o.wj[0], wp * offset[1] - sjwa * o.wj[1], wd * offset[2] - sjwa * o.wj[2]};
+  hh = hh + (offset[0] * wa[0] + offset[1] * wa[1] + offset[2] * wa[2]);
+  og = og + (o.e[0] * wa[0] + o.e[1] * wa[1] + o.e[2] * wa[2]);
+  // J^T times a vector.
+  const auto back = [&](V v0, V v1, V v2, V(&out)[3]) {
+    out[0] = o.a * v0;
+    out[1] = o.b * v1;
+    out[2] = zero - (o.ax * v0 + o.by * v1 + o.c * v2);
+  };
+  V q[3], gy[3], hy[3], turned[3];
+  back(o.wj[0], o.wj[1], o.wj[2], q);
+  back(o.we[0] * weight, o.we[1] * weight, o.we[2] * weight, gy);
+  back(wa[0], wa[1], wa[2], hy);
+  // B = J^T W J
+  const V sq[3] = {s * q[0], s * q[1], s * q[2]};
+  const V wa0 = wp * o.a, wb1 = wp * o.b, wax = wp * o.ax, wby = wp * o.by;
+  V B[3][3];
+  B[0][0] = wa0 * o.a - sq[0] * q[0];
+  B[0][1] = zero - sq[0] * q[1];
+  B[0][2] = zero - (wa0 * o.ax + sq[0] * q[2]);
+  B[1][1] = wb1 * o.b - sq[1] * q[1];
+  B[1][2] = zero - (wb1 * o.by + sq[1] * q[2]);
+  B[2][2] = (wax * o.ax + wby * o.by) + (wd * o.c * o.c - sq[2] * q[2]);
+  B[1][0] = B[0][1], B[2][0] = B[0][2], B[2][1] = B[1][2];
+  // A vector v of the point becomes (v, y x v) of the perturbation.
+  V* const H = sums.H;
+  H[0] = H[0] + B[0][0], H[1] = H[1] + B[0][1], H[2] = H[2] + B[0][2];
+  H[6] = H[6] + B[1][1], H[7] = H[7] + B[1][2], H[11] = H[11] + B[2][2];
+  V E[3][3];  // row i: y x B_i
+  for (int i = 0; i < 3; ++i) cross(y, B[i], E[i]);
+  for (int i = 0; i < 3; ++i) H[3 + i] = H[3 + i] + E[0][i];
+  for (int i = 0; i < 3; ++i) H[8 + i] = H[8 + i] + E[1][i];
+  for (int i = 0; i < 3; ++i) H[12 + i] = H[12 + i] + E[2][i];
+  H[15] = H[15] + (y[1] * E[2][0] - y[2] * E[1][0]);
+  H[16] = H[16] + (y[1] * E[2][1] - y[2] * E[1][1]);
+  H[17] = H[17] + (y[1] * E[2][2] - y[2] * E[1][2]);
+  H[18] = H[18] + (y[2] * E[0][1] - y[0] * E[2][1]);
+  H[19] = H[19] + (y[2] * E[0][2] - y[0] * E[2][2]);
+  H[20] = H[20] + (y[0] * E[1][2] - y[1] * E[0][2]);
+  const auto add = [&](const V* v, V(&to)[6]) {
+    cross(y, v, turned);
+    for (int i = 0; i < 3; ++i) {
+      to[i] = to[i] + v[i];
+      to[3 + i] = to[3 + i] + turned[i];
+    }
+  };
+  add(gy, sums.g);
+  add(hy, sums.h);
+}
+
+// Adds the sums of a perturbation v to those of u, where v = F u; F is 6 x 6.
+inline void add_transformed(const double (&F)[6][6], const double (&H)[21], const double (&g)[6], const double (&h)[6],
+                            MotionSums& out) {
+  double full[6][6], HF[6][6];
   int n = 0;
   for (int r = 0; r < 6; ++r) {
-    const V sq = s * q[r];
+    for (int k = r; k < 6; ++k) full[r][k] = full[k][r] = H[n++];
+  }
+  for (int r = 0; r < 6; ++r) {
+    for (int k = 0; k < 6; ++k) {
+      HF[r][k] = 0.0;
+      for (int i = 0; i < 6; ++i) HF[r][k] += full[r][i] * F[i][k];
+    }
+  }
+  n = 0;
+  for (int r = 0; r < 6; ++r) {
     for (int k = r; k < 6; ++k, ++n) {
-      H[n] = H[n] + ((A[0][r] * WA[0][k] + A[1][r] * WA[1][k]) + (A[2][r] * WA[2][k] - sq * q[k]));
+      for (int i = 0; i < 6; ++i) out.H[n] += F[i][r] * HF[i][k];
+    }
+    for (int i = 0; i < 6; ++i) {
+      out.g[r] += F[i][r] * g[i];
+      out.offset_h[r] += F[i][r] * h[i];
     }
   }
 }
 
 template <class V>
+inline void add_sums(const double (&F)[6][6], const WaySums<V>& sums, MotionSums& out) {
+  double H[21], g[6], h[6];
+  for (int i = 0; i < 21; ++i) H[i] = sum_lanes(sums.H[i]);
+  for (int i = 0; i < 6; ++i) g[i] = sum_lanes(sums.g[i]);
+  for (int i = 0; i < 6; ++i) h[i] = sum_lanes(sums.h[i]);
+  add_transformed(F, H, g, h, out);
+}
+
+template <class V>
 void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& out) {
   const V zero = all<V>(0.0);
-  V H[21], g[6], h[6];
-  for (V& v : H) v = zero;
-  for (V& v : g) v = zero;
-  for (V& v : h) v = zero;
+  WaySums<V> of_cur, of_ref;
   V hh = zero, og = zero, cost = zero;
   const V near = all<V>(c.min_depth);
   const V one = all<V>(1.0);
@@ -212,31 +306,22 @@ void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& 
     const V sigmas = square_root(squared);
     const V weight = half * good * select_less(huber, sigmas, huber / sigmas, one);
     cost = cost + active * select_less(huber, sigmas, huber * (sigmas + sigmas - huber), squared);
-    V A[3][6];
-    for (int r = 0; r < 3; ++r) {  // change of y with a perturbation of T on the right: [-1 | [y]x]
-      const V* J = to_cur.J[r];
-      for (int n = 0; n < 3; ++n) A[r][n] = zero - J[n];
-      A[r][3] = J[1] * y[2] - J[2] * y[1];
-      A[r][4] = J[2] * y[0] - J[0] * y[2];
-      A[r][5] = J[0] * y[1] - J[1] * y[0];
-    }
-    add_way(c, to_cur, A, weight, H, g, h, hh, og);
-    for (int r = 0; r < 3; ++r) {  // of z: M [1 | -[p]x]
-      const V* J = to_ref.J[r];
-      V N[3];
-      for (int n = 0; n < 3; ++n) {
-        N[n] = J[0] * all<V>(c.M[0][n]) + J[1] * all<V>(c.M[1][n]) + J[2] * all<V>(c.M[2][n]);
-        A[r][n] = N[n];
-      }
-      A[r][3] = N[2] * p[1] - N[1] * p[2];
-      A[r][4] = N[0] * p[2] - N[2] * p[0];
-      A[r][5] = N[1] * p[0] - N[0] * p[1];
-    }
-    add_way(c, to_ref, A, weight, H, g, h, hh, og);
+    add_way(c, to_cur, y, weight, of_cur, hh, og);
+    add_way(c, to_ref, z, weight, of_ref, hh, og);
   }
-  for (int i = 0; i < 21; ++i) out.H[i] += sum_lanes(H[i]);
-  for (int i = 0; i < 6; ++i) out.g[i] += sum_lanes(g[i]);
-  for (int i = 0; i < 6; ++i) out.offset_h[i] += sum_lanes(h[i]);
+  // The perturbation (t, w) of T on the right moves y = R^T (q - t') by -t - w x y, and z = M p + m by
+  // M t + (M w) x (z - m).
+  double F[6][6] = {};
+  for (int r = 0; r < 6; ++r) F[r][r] = -1.0;
+  add_sums(F, of_cur, out);
+  for (int r = 0; r < 3; ++r) {
+    for (int k = 0; k < 3; ++k) {
+      F[r][k] = F[3 + r][3 + k] = c.M[r][k];
+      // m x (M w)
+      F[r][3 + k] = c.m[(r + 1) % 3] * c.M[(r + 2) % 3][k] - c.m[(r + 2) % 3] * c.M[(r + 1) % 3][k];
+    }
+  }
+  add_sums(F, of_ref, out);
   out.offset_hh += sum_lanes(hh);
   out.offset_g += sum_lanes(og);
   out.cost += sum_lanes(cost);
