@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "core/vo/validation.h"
 
@@ -20,6 +21,8 @@ constexpr double kVarianceFactor = 1.5;
 // part of the picture: below this share of its cells the covariance grows in proportion.
 constexpr double kFullCoverage = 0.5;
 constexpr std::size_t kMostOthers = 8;
+constexpr std::size_t kPilots = 80;
+constexpr int kLeastPilots = 30;
 
 }  // namespace
 
@@ -109,13 +112,20 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
   if (params_.refine) {
     observations_.clear();
     references_.assign(1, RigidTransform{});
-    tracker_.track(reference, current, out.motion.T_prev_cur, 0, check, observations_);
+    // The first features, which are spread over the picture, tell where to look for the others.
+    tracker_.track(reference, current, out.motion.T_prev_cur, 0, 0, kPilots, check, observations_);
+    const Motion pilot =
+        solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
+    if (pilot.converged && pilot.inliers >= kLeastPilots) out.motion = pilot;
+    for (Observation& o : observations_) o.inlier = true;
+    constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+    tracker_.track(reference, current, out.motion.T_prev_cur, 0, kPilots, kAll, check, observations_);
     std::size_t of_key = 0;  // where the key frame's observations begin
     if (key != nullptr && key != &reference) {
       const RigidTransform T_ref_key = reference.T_world_camera.inverse() * key->T_world_camera;
       references_.push_back(T_ref_key);
       of_key = observations_.size();
-      tracker_.track(*key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, check, observations_);
+      tracker_.track(*key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, 0, kAll, check, observations_);
     }
     const Motion refined =
         solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);

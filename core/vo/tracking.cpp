@@ -151,16 +151,16 @@ void Tracker::compensate(const SelfCheck& check, Frame& frame) const {
   }
 }
 
-int Tracker::track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
-                   const SelfCheck& check, std::vector<Observation>& observations) const {
+void Tracker::track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
+                    std::size_t first, std::size_t last, const SelfCheck& check,
+                    std::vector<Observation>& observations) const {
   const RigidTransform T_cur_ref = T_ref_cur.inverse();
   const double reach = params_.refine_radius_px;
-  int looked_for = 0;
   Template t;
   Template left;
   PatchParams stereo_patch = patch_;
   stereo_patch.max_shift_px = 2.0;
-  for (std::size_t i = 0; i < reference.features.size(); ++i) {
+  for (std::size_t i = first; i < std::min(last, reference.features.size()); ++i) {
     const Feature& f = reference.features[i];
     const Eigen::Vector3d p = T_cur_ref * f.point;
     if (p.z() < 0.05) continue;
@@ -171,7 +171,6 @@ int Tracker::track(const Frame& reference, const Frame& current, const RigidTran
     if (uv.x() < reach || uv.y() < reach || uv.x() > model_.width - 1 - reach || uv.y() > model_.height - 1 - reach) {
       continue;
     }
-    ++looked_for;
     // How the surface element is seen from the new place: two more of its points, moved likewise.
     const double right_d = std::max(f.disparity_px + model_.doffs_px + reach * f.disparity_dx, kMinDisparity);
     const double below_d = std::max(f.disparity_px + model_.doffs_px + reach * f.disparity_dy, kMinDisparity);
@@ -218,7 +217,6 @@ int Tracker::track(const Frame& reference, const Frame& current, const RigidTran
     o.difference = 1.0F - stereo.correlation;
     observations.push_back(o);
   }
-  return looked_for;
 }
 
 }  // namespace cliquevo::vo

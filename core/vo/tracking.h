@@ -27,10 +27,10 @@ class Tracker {
   // Corrects the frame's disparities and points for what is known of the calibration's errors by now.
   void compensate(const SelfCheck& check, Frame& frame) const;
 
-  // Appends an observation for each feature of `reference` that is found in `current`; returns how many could be looked
-  // for (projected into the image).
-  int track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
-            const SelfCheck& check, std::vector<Observation>& observations) const;
+  // Appends an observation for each feature of `reference`, from `first` on and before `last`, that is found in
+  // `current`.
+  void track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
+             std::size_t first, std::size_t last, const SelfCheck& check, std::vector<Observation>& observations) const;
 
  private:
   void measure_vertical(SelfCheck& check, const Frame& frame);
