@@ -128,9 +128,7 @@ void timed(Contender& contender, bool count, Step&& step) {
 
 // One pass over the sequence, the programs taking turns; who begins changes with every frame.
 Result<void> run_pass(const Sequence& sequence, std::vector<Contender>& contenders, int features) {
-  vo::VoParams params;
-  params.max_features = features;
-  auto ours = vo::VisualOdometry::make(sequence.model, params);
+  auto ours = vo::VisualOdometry::make(sequence.model, vo::VoParams{});
   if (!ours) return ours.error();
   bench::OpenCvParams opencv;
   opencv.max_features = features;
@@ -236,7 +234,8 @@ int main(int argc, char** argv) {
   app.add_option("source", sources, "Recordings or sim:KEY=VALUE,...; default: what the simulator and the data offer");
   app.add_option("--frames", most, "Frames of each source, at most")->capture_default_str();
   app.add_option("--passes", passes, "Times each is run")->check(CLI::Range(1, 1000))->capture_default_str();
-  app.add_option("--features", features, "Features a frame, for every program")->capture_default_str();
+  app.add_option("--features", features, "Features a frame for OpenCV's programs; ours runs with its defaults")
+      ->capture_default_str();
   app.add_option("--lengths", lengths, "Segment lengths, m")->delimiter(',')->capture_default_str();
   app.add_option("--json", json_path, "Write the figures there as well");
   CLI11_PARSE(app, argc, argv);
