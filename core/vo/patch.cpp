@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 
 namespace cliquevo::vo {
 
 namespace {
 
-constexpr float kConverged = 0.01F;  // px: far below what noise allows
+constexpr float kConverged = 0.03F;  // px: far below what noise allows
 constexpr float kMinGradient =
     4.0F;  // mean squared gradient (grey levels per px)^2 a patch must have in each direction
 
@@ -49,23 +48,6 @@ bool inside(ImageView<const std::uint8_t> image, const PatchPlace& p, int reach)
 
 }  // namespace
 
-namespace {
-
-// What sampling gives at whole pixels: themselves.
-void copy_samples(const PatchGrid& grid, ImageView<const std::uint8_t> image, int x, int y, float* samples) {
-  const int reach = grid.radius + 1;
-  std::uint8_t bytes[kMaxPatchSamples + 32] = {};
-  for (int i = 0; i < grid.side; ++i) {  // whole words; what is too much is overwritten by the next row
-    const std::uint8_t* from = image.row(y - reach + i) + x - reach;
-    std::memcpy(bytes + i * grid.side, from, 16);
-    if (grid.side > 16) std::memcpy(bytes + i * grid.side + 16, from + 16, 1);
-  }
-  const int n = (grid.side * grid.side + kPatchLanes - 1) / kPatchLanes * kPatchLanes;
-  for (int i = 0; i < n; ++i) samples[i] = static_cast<float>(bytes[i]);
-}
-
-}  // namespace
-
 bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int radius, Template& out) {
   const PatchGrid& grid = grid_of(radius);
   const PatchPlace place{x, y, 1.0F, 0.0F, 0.0F, 1.0F};
@@ -74,24 +56,13 @@ bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int rad
   const int whole_x = static_cast<int>(x);
   const int whole_y = static_cast<int>(y);
   if (x == static_cast<float>(whole_x) && y == static_cast<float>(whole_y)) {
-    copy_samples(grid, image, whole_x, whole_y, samples);
+    const int reach = radius + 1;
+    kernels().patch_copy(grid, image.row(whole_y - reach) + whole_x - reach, image.stride, samples);
   } else {
-    kernels().patch_sample(grid, image.data, image.stride, place, 0.0F, samples);
+    kernels().patch_sample(grid, image.data, image.stride, place, 0, grid.side, 0.0F, samples);
   }
-  const int n = 2 * radius + 1;
-  float sum = 0.0F;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) sum += samples[(i + 1) * grid.side + j + 1];
-  }
-  const float mean = sum / static_cast<float>(n * n);
-  kernels().patch_inner(grid, samples, mean, out.inner);
-  float tt = 0.0F;
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) tt += out.inner.t[i * grid.row + j] * out.inner.t[i * grid.row + j];
-  }
+  kernels().patch_inner(grid, samples, out.inner);
   out.radius = radius;
-  out.mean = mean;
-  out.tt = tt;
   return true;
 }
 
@@ -105,8 +76,9 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
   alignas(32) float samples[kMaxPatchSamples];
   const float start_x = x;
   const float start_y = y;
-  const float tt = reference.tt;
-  if (!(tt > n)) return fit;  // no contrast at all
+  const float tt = reference.inner.tt;
+  const int ring = freedom == Freedom::both ? 0 : 1;  // a search along the row needs no gradient across it
+  if (!(tt > n)) return fit;                          // no contrast at all
   const float max_shift2 = static_cast<float>(params.max_shift_px * params.max_shift_px);
   for (int iteration = 0; iteration < params.iterations; ++iteration) {
     const PatchPlace place{x, y, warp.xx, warp.xy, warp.yx, warp.yy};
@@ -114,7 +86,7 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     // Least squares for W + Gx sx + Gy sy = gain T + bias, where G is the mean gradient of T and W (the second-order
     // step) and T is without its mean.
     PatchSums s{};
-    k.patch_sample(grid, image.data, image.stride, place, reference.mean, samples);
+    k.patch_sample(grid, image.data, image.stride, place, ring, grid.side - ring, reference.inner.mean, samples);
     (freedom == Freedom::both ? k.patch_sums : k.patch_sums_across)(grid, reference.inner, samples, s);
     // Take out the bias (means), then the gain.
     const float ww = s.ww - s.w * s.w / n;

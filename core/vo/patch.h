@@ -36,8 +36,6 @@ struct PatchFit {
 // A patch cut from an image once, to be found in others.
 struct Template {
   PatchInner inner;
-  float mean = 0.0F;
-  float tt = 0.0F;  // sum of the squares of the samples less their mean
   int radius = 0;
 };
 

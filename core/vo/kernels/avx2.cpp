@@ -41,16 +41,15 @@ struct Avx2Bytes {
 };
 
 void patch_sample(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
-                  float mean, float* samples) {
+                  int first, int last, float mean, float* samples) {
   const __m256 x = _mm256_set1_ps(place.x), y = _mm256_set1_ps(place.y);
   const __m256 xx = _mm256_set1_ps(place.xx), xy = _mm256_set1_ps(place.xy);
   const __m256 yx = _mm256_set1_ps(place.yx), yy = _mm256_set1_ps(place.yy);
   const __m256i step = _mm256_set1_epi32(static_cast<int>(stride));
   const __m256i byte = _mm256_set1_epi32(255);
   const __m256 level = _mm256_set1_ps(mean);
-  const int n = grid.side * grid.side;
-  for (int i = 0; i < n; i += kPatchLanes) {
-    const __m256 dx = _mm256_load_ps(grid.dx + i), dy = _mm256_load_ps(grid.dy + i);
+  for (int i = first * grid.side; i < last * grid.side; i += kPatchLanes) {
+    const __m256 dx = _mm256_loadu_ps(grid.dx + i), dy = _mm256_loadu_ps(grid.dy + i);
     const __m256 fx = _mm256_add_ps(_mm256_add_ps(x, _mm256_mul_ps(xx, dx)), _mm256_mul_ps(xy, dy));
     const __m256 fy = _mm256_add_ps(_mm256_add_ps(y, _mm256_mul_ps(yx, dx)), _mm256_mul_ps(yy, dy));
     const __m256i ix = _mm256_cvttps_epi32(fx), iy = _mm256_cvttps_epi32(fy);
@@ -72,10 +71,16 @@ void patch_sample(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff
 
 }  // namespace
 
-const Kernels kAvx2Kernels = {
-    fast_row_of<Avx2Bytes>,       maxima_row_of<Avx2Bytes>,          sad_row_of<Avx2Bytes>,
-    row_minimum_of<Avx2Bytes>,    graph_row_of<VectorFloats>,        patch_sample,
-    patch_inner_of<VectorFloats>, patch_sums_of<VectorFloats, true>, patch_sums_of<VectorFloats, false>,
-    motion_sums_of<VectorPack>};
+const Kernels kAvx2Kernels = {fast_row_of<Avx2Bytes>,
+                              maxima_row_of<Avx2Bytes>,
+                              sad_row_of<Avx2Bytes>,
+                              row_minimum_of<Avx2Bytes>,
+                              graph_row_of<VectorFloats>,
+                              patch_sample,
+                              patch_copy_of<VectorFloats>,
+                              patch_inner_of<VectorFloats>,
+                              patch_sums_of<VectorFloats, true>,
+                              patch_sums_of<VectorFloats, false>,
+                              motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo

@@ -52,13 +52,15 @@ void fast_row_of(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1,
     b = V::min8(b, crossed(brighter, 2));
     d = V::min8(d, crossed(darker, 2));
     if (!V::any_above(V::max8(b, d), t)) continue;
-    Reg bright[16];
-    Reg dark[16];
-    for (int i = 0; i < 16; ++i) {
-      bright[i] = brighter(i);
-      dark[i] = darker(i);
-    }
-    const Reg best = V::max8(best_arc<V>(bright), best_arc<V>(dark));
+    Reg best = V::zero();
+    const auto look = [&](const auto& side, Reg at_most) {
+      if (!V::any_above(at_most, t)) return;
+      Reg circle[16];
+      for (int i = 0; i < 16; ++i) circle[i] = side(i);
+      best = V::max8(best, best_arc<V>(circle));
+    };
+    look(brighter, b);
+    look(darker, d);
     const Reg below = V::equal8(V::subtract_saturated(best, t), V::zero());
     V::store(scores + x, V::select(below, V::zero(), V::subtract_saturated(best, one)));
   }

@@ -78,6 +78,8 @@ struct PatchPlace {
 };
 // A template's inner part, padded with 0: samples less their mean, and half their central differences.
 struct PatchInner {
+  float mean;
+  float tt;  // sum of the squares of t
   alignas(32) float t[kMaxPatchInner];
   alignas(32) float gx[kMaxPatchInner];
   alignas(32) float gy[kMaxPatchInner];
@@ -134,12 +136,14 @@ struct Kernels {
                      std::int16_t* column_best);
   // Step A4: which nodes keep their distance to `node`: bit j % 8 of bits[j / 8] for j < count, the rest 0.
   void (*graph_row)(const GraphNodes& nodes, int node, const GraphTest& test, std::uint8_t* bits);
-  // Bilinear samples of the image less `mean`. The caller has made sure that all lie inside, 3 px from the right and
-  // the lower border.
+  // Bilinear samples of the image less `mean`, of the rows from `first` on and before `last`. The caller has made sure
+  // that all lie inside, 3 px from the right and the lower border.
   void (*patch_sample)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
-                       float mean, float* samples);
+                       int first, int last, float mean, float* samples);
+  // The same where the patch lies on whole pixels; `image` is its first one. 16 bytes of each row are readable.
+  void (*patch_copy)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float* samples);
   // A template's inner part from its samples.
-  void (*patch_inner)(const PatchGrid& grid, const float* samples, float mean, PatchInner& out);
+  void (*patch_inner)(const PatchGrid& grid, const float* samples, PatchInner& out);
   void (*patch_sums)(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out);
   // The same without the sums over gy, which a search along the row does without.
   void (*patch_sums_across)(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out);

@@ -44,10 +44,16 @@ struct NeonBytes {
 
 }  // namespace
 
-const Kernels kNeonKernels = {
-    fast_row_of<NeonBytes>,       maxima_row_of<NeonBytes>,          sad_row_of<NeonBytes>,
-    row_minimum_of<NeonBytes>,    graph_row_of<VectorFloats>,        patch_sample_plain,
-    patch_inner_of<VectorFloats>, patch_sums_of<VectorFloats, true>, patch_sums_of<VectorFloats, false>,
-    motion_sums_of<VectorPack>};
+const Kernels kNeonKernels = {fast_row_of<NeonBytes>,
+                              maxima_row_of<NeonBytes>,
+                              sad_row_of<NeonBytes>,
+                              row_minimum_of<NeonBytes>,
+                              graph_row_of<VectorFloats>,
+                              patch_sample_plain,
+                              patch_copy_of<VectorFloats>,
+                              patch_inner_of<VectorFloats>,
+                              patch_sums_of<VectorFloats, true>,
+                              patch_sums_of<VectorFloats, false>,
+                              motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo

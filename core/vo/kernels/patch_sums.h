@@ -3,6 +3,10 @@
 // instruction set, with the same order of every sum.
 #pragma once
 
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
 #include "core/vo/kernels/kernels.h"
 
 namespace cliquevo::vo {
@@ -58,9 +62,8 @@ inline float sum_floats(const VectorFloats& v) {
 }
 
 inline void patch_sample_plain(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride,
-                               const PatchPlace& place, float mean, float* samples) {
-  const int n = grid.side * grid.side;
-  for (int i = 0; i < n; ++i) {
+                               const PatchPlace& place, int first, int last, float mean, float* samples) {
+  for (int i = first * grid.side; i < last * grid.side; ++i) {
     const float fx = place.x + place.xx * grid.dx[i] + place.xy * grid.dy[i];
     const float fy = place.y + place.yx * grid.dx[i] + place.yy * grid.dy[i];
     const int ix = static_cast<int>(fx);
@@ -82,12 +85,48 @@ inline V all_floats(float v) {
   return load_floats<V>(lanes);
 }
 
+// Eight bytes as they are.
+inline void load_bytes(const std::uint8_t* from, PlainFloats& out) {
+  for (int i = 0; i < kPatchLanes; ++i) out.lane[i] = static_cast<float>(from[i]);
+}
+#if defined(__AVX2__)
+inline void load_bytes(const std::uint8_t* from, VectorFloats& out) {
+  out = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from))));
+}
+#else
+inline void load_bytes(const std::uint8_t* from, VectorFloats& out) {
+  for (int i = 0; i < kPatchLanes; ++i) out.half[i / 4][i % 4] = static_cast<float>(from[i]);
+}
+#endif
+
 template <class V>
-void patch_inner_of(const PatchGrid& grid, const float* samples, float mean, PatchInner& out) {
-  const V less = all_floats<V>(-mean);
+void patch_copy_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float* samples) {
+  for (int y = 0; y < grid.side; ++y) {  // whole packs; what is too much is overwritten by the next row
+    const std::uint8_t* from = image + y * stride;
+    float* to = samples + y * grid.side;
+    V packs[2];
+    load_bytes(from, packs[0]);
+    load_bytes(from + kPatchLanes, packs[1]);
+    __builtin_memcpy(to, packs, sizeof packs);
+    if (grid.side > 2 * kPatchLanes) to[2 * kPatchLanes] = static_cast<float>(from[2 * kPatchLanes]);
+  }
+}
+
+template <class V>
+void patch_inner_of(const PatchGrid& grid, const float* samples, PatchInner& out) {
   const V quarter = all_floats<V>(0.25F);
   const V negative = all_floats<V>(-1.0F);
   const int rows = 2 * grid.radius + 1;
+  V sum = all_floats<V>(0.0F);
+  for (int y = 0; y < rows; ++y) {
+    for (int x = 0; x < grid.row; x += kPatchLanes) {
+      const float* s = samples + (y + 1) * grid.side + x + 1;
+      sum = sum + load_floats<V>(s) * load_floats<V>(grid.inside + x);
+    }
+  }
+  out.mean = sum_floats(sum) / static_cast<float>(rows * rows);
+  const V less = all_floats<V>(-out.mean);
+  V tt = all_floats<V>(0.0F);
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < grid.row; x += kPatchLanes) {
       const int at = y * grid.row + x;
@@ -96,11 +135,13 @@ void patch_inner_of(const PatchGrid& grid, const float* samples, float mean, Pat
       const V t = (load_floats<V>(s) + less) * mask;
       const V gx = quarter * (load_floats<V>(s + 1) + load_floats<V>(s - 1) * negative) * mask;
       const V gy = quarter * (load_floats<V>(s + grid.side) + load_floats<V>(s - grid.side) * negative) * mask;
+      tt = tt + t * t;
       __builtin_memcpy(out.t + at, &t, sizeof t);
       __builtin_memcpy(out.gx + at, &gx, sizeof gx);
       __builtin_memcpy(out.gy + at, &gy, sizeof gy);
     }
   }
+  out.tt = sum_floats(tt);
 }
 
 template <class V, bool kBoth>

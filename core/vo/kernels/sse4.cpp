@@ -41,10 +41,16 @@ struct Sse4Bytes {
 
 }  // namespace
 
-const Kernels kSse4Kernels = {
-    fast_row_of<Sse4Bytes>,       maxima_row_of<Sse4Bytes>,          sad_row_of<Sse4Bytes>,
-    row_minimum_of<Sse4Bytes>,    graph_row_of<VectorFloats>,        patch_sample_plain,
-    patch_inner_of<VectorFloats>, patch_sums_of<VectorFloats, true>, patch_sums_of<VectorFloats, false>,
-    motion_sums_of<VectorPack>};
+const Kernels kSse4Kernels = {fast_row_of<Sse4Bytes>,
+                              maxima_row_of<Sse4Bytes>,
+                              sad_row_of<Sse4Bytes>,
+                              row_minimum_of<Sse4Bytes>,
+                              graph_row_of<VectorFloats>,
+                              patch_sample_plain,
+                              patch_copy_of<VectorFloats>,
+                              patch_inner_of<VectorFloats>,
+                              patch_sums_of<VectorFloats, true>,
+                              patch_sums_of<VectorFloats, false>,
+                              motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo

@@ -183,9 +183,13 @@ TEST_P(VoKernels, SampleAndSumPatchesToTheReferencesBits) {
     for (int trial = 0; trial < 50; ++trial) {
       const PatchPlace p{place(rng), place(rng), near(rng), off(rng), off(rng), near(rng)};
       alignas(32) float a[kMaxPatchSamples] = {}, b[kMaxPatchSamples] = {};
-      reference.patch_sample(grid, image.cview().data, image.cview().stride, p, 100.0F, a);
-      kernel.patch_sample(grid, image.cview().data, image.cview().stride, p, 100.0F, b);
+      reference.patch_sample(grid, image.cview().data, image.cview().stride, p, 0, grid.side, 100.0F, a);
+      kernel.patch_sample(grid, image.cview().data, image.cview().stride, p, 0, grid.side, 100.0F, b);
       ASSERT_EQ(0, std::memcmp(a, b, sizeof(float) * static_cast<std::size_t>(grid.side * grid.side)));
+      alignas(32) float part[kMaxPatchSamples] = {};
+      kernel.patch_sample(grid, image.cview().data, image.cview().stride, p, 1, grid.side - 1, 100.0F, part);
+      ASSERT_EQ(0, std::memcmp(a + grid.side, part + grid.side,
+                               sizeof(float) * static_cast<std::size_t>(grid.side * (grid.side - 2))));
       PatchSums sa{}, sb{};
       reference.patch_sums(grid, found.inner, a, sa);
       kernel.patch_sums(grid, found.inner, a, sb);
@@ -196,10 +200,14 @@ TEST_P(VoKernels, SampleAndSumPatchesToTheReferencesBits) {
       ASSERT_EQ(0, std::memcmp(&across_a, &across_b, sizeof across_a)) << "radius " << radius;
       ASSERT_EQ(across_a.gxw, sa.gxw);
       auto inner_a = std::make_unique<PatchInner>(), inner_b = std::make_unique<PatchInner>();
-      reference.patch_inner(grid, a, 3.3F, *inner_a);
-      kernel.patch_inner(grid, a, 3.3F, *inner_b);
+      reference.patch_inner(grid, a, *inner_a);
+      kernel.patch_inner(grid, a, *inner_b);
       ASSERT_EQ(0, std::memcmp(inner_a.get(), inner_b.get(), sizeof *inner_a)) << "radius " << radius;
       EXPECT_GT(sa.gxx, 0.0F);
+      const PatchPlace whole{30.0F, 31.0F, 1.0F, 0.0F, 0.0F, 1.0F};
+      reference.patch_sample(grid, image.cview().data, image.cview().stride, whole, 0, grid.side, 0.0F, a);
+      kernel.patch_copy(grid, image.cview().row(30 - radius) + 29 - radius, image.cview().stride, b);
+      ASSERT_EQ(0, std::memcmp(a, b, sizeof(float) * static_cast<std::size_t>(grid.side * grid.side)));
     }
   }
 }
