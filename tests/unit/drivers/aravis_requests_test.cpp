@@ -34,11 +34,11 @@ TEST(AravisRequests, AnActionCommandIsTheStandardsPacket) {
   EXPECT_EQ(packet, wanted);
 }
 
-TEST(AravisRequests, LostPacketsAreAskedForAgainWithinAQuarterPeriodWhereThatIsWanted) {
+TEST(AravisRequests, LostPacketsAreAskedForAgainWithinHalfAPeriodWhereThatIsWanted) {
   CameraOptions options;
   options.rate_hz = 20.0;
   options.packet_resend = true;
-  EXPECT_EQ(stream_request(options), (StreamRequest{6'250, 12'500, true}));
+  EXPECT_EQ(stream_request(options), (StreamRequest{12'500, 25'000, true}));
   options.packet_resend = false;
   options.rate_hz = 1.0;
   EXPECT_EQ(stream_request(options), (StreamRequest{50'000, 100'000, false})) << "but never for long";
