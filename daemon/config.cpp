@@ -333,8 +333,8 @@ Result<void> Config::check() const {
     if (priority < 0 || priority > 99) return own_range(key, "give 0 (ordinary), or 1 to 99");
   }
   if (realtime.catch_up_frames < 0 || realtime.catch_up_frames > rt::Handover::kMostBacklog) {
-    static_assert(rt::Handover::kMostBacklog == 15);
-    return own_range("realtime.catch_up_frames", "give 0 to 15");
+    static_assert(rt::Handover::kMostBacklog == 31);
+    return own_range("realtime.catch_up_frames", "give 0 to 31");
   }
   if (auto ok = in_section("source.cameras", source.cameras.check()); !ok) return ok;
   if (source.is_live()) {

@@ -23,7 +23,7 @@ namespace cliquevo::rt {
 class Handover {
  public:
   static constexpr int kNone = -1;
-  static constexpr int kMostBacklog = 15;
+  static constexpr int kMostBacklog = 31;
 
   // backlog: how many slots may wait behind another; 0: the newest always wins.
   explicit Handover(int backlog = 0)
