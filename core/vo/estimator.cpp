@@ -18,8 +18,11 @@ constexpr double kGoodShare = 0.7;  // of a clique's members that its motion sho
 constexpr double kLeastVariance = 0.05;
 constexpr double kVarianceFactor = 1.5;
 // Errors that neighbours share (of the calibration, of a surface) do not average out where all inliers come from one
-// part of the picture: below this share of its cells the covariance grows in proportion.
+// part of the picture: below this share of its cells the covariance grows with the square of what is missing, and the
+// disparities must fit the better, as behind an eye that hangs; but no better than this share of the usual bound.
 constexpr double kFullCoverage = 0.5;
+constexpr double kLeastCoverage = 0.05;
+constexpr double kStrictest = 0.5;
 constexpr std::size_t kMostOthers = 8;
 constexpr std::size_t kPilots = 80;
 constexpr int kLeastPilots = 30;
@@ -147,7 +150,11 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     if (out.unsteadiness_px > 0.0) out.unsteadiness_px *= surprise(out.motion);
     const CellVotes votes = support_.count(reference, current, disparity, out.motion.T_prev_cur, check, observations_);
     out.contradiction = votes.share();
-    out.motion.covariance *= kFullCoverage / std::clamp(votes.coverage(), 0.05, kFullCoverage);
+    const double covered = std::clamp(votes.coverage(), kLeastCoverage, kFullCoverage) / kFullCoverage;
+    out.motion.covariance /= covered * covered;
+    if (disparity_px > std::max(covered, kStrictest) * params_.max_reprojection_error_px) {
+      out.status = Status::reprojection_error;
+    }
     if (out.contradiction > params_.max_contradiction || std::abs(out.unsteadiness_px) > params_.max_unsteadiness_px) {
       out.status = Status::ambiguous;
     }
