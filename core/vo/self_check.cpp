@@ -26,8 +26,9 @@ constexpr double kTellingVariance = 0.05;  // px^2, (less of one that tells litt
 constexpr double kMostRecent = 5.0;        // px, ... to which it adds no more than this ...
 constexpr double kSurprise = 2.0;          // ... and whose square, in variances, is a surprise
 // While the figure still moves against its running mean, by more than the latter, less is known than it seems.
-constexpr double kSettle = 0.05;               // share of a frame in the running mean
-constexpr double kSettled = 0.15;              // px
+constexpr double kSettle = 0.05;   // share of a frame in the running mean
+constexpr double kSettled = 0.15;  // px
+constexpr double kFarOff = 2.0;    // px, of rows at the border: half of the variance is then not the noise's
 constexpr double kOffsetMostInnovation = 0.5;  // px, of one frame
 // What stays uncertain however long one looks: interpolation, lenses, the model itself.
 constexpr double kVerticalFloor = 0.02;  // px
@@ -146,7 +147,10 @@ double SelfCheck::offset_variance_px2() const {
 
 double SelfCheck::unsettled() const {
   const double trend = (offset_px_ - settled_px_) / kSettled;
-  return 1.0 + trend * trend;
+  const double rows_px = std::abs(vertical_[0]) + std::abs(vertical_[1]) * 0.5 * model_.width / model_.fx_px +
+                         std::abs(vertical_[2]) * 0.5 * model_.height / model_.fy_px;
+  const double far_off = rows_px / kFarOff;
+  return 1.0 + trend * trend + far_off * far_off;
 }
 
 double SelfCheck::vertical_error_px(double u_px, double v_px) const { return terms(u_px, v_px).dot(vertical_); }

@@ -60,7 +60,8 @@ class SelfCheck {
   double disparity_error_px(double u_px, double v_px) const;
   // How uncertain disparities remain as they are used.
   double offset_variance_px2() const;
-  // By how much a motion's covariance grows while the calibration is still being learned; 1 when it is settled.
+  // By how much a motion's covariance grows while the calibration is still being learned, and with rows that are far
+  // off, which a correction mends only in part; 1 when it is settled and small.
   double unsettled() const;
   CalibrationCheck result() const;
 
