@@ -55,7 +55,7 @@ class FeatureDetector {
   StereoModel model_;
   VoParams params_;
   std::vector<Corner> corners_;        // in reading order
-  Image<std::uint8_t> scores_;         // three rows in turn, with room around
+  Image<std::uint8_t> scores_;         // of three rows in turn
   std::vector<std::int16_t> columns_;  // of a row's maxima
   std::array<int, 256> usable_{};      // corners of each score or a higher one
   int likely_threshold_;               // the last picture's; only the time it takes depends on it

@@ -3,12 +3,7 @@
 // instruction set, with the same order of every sum.
 #pragma once
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#elif defined(__aarch64__)
-#include <arm_neon.h>
-#endif
-
+#include "core/vo/kernels/intrinsics.h"
 #include "core/vo/kernels/kernels.h"
 #include "core/vo/kernels/patch_sums.h"
 

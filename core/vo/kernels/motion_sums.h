@@ -4,12 +4,7 @@
 // the same, and so is every bit. Internal linkage on purpose: each kernel file is compiled with other machine options.
 #pragma once
 
-#if defined(__x86_64__)
-#include <immintrin.h>
-#elif defined(__aarch64__)
-#include <arm_neon.h>
-#endif
-
+#include "core/vo/kernels/intrinsics.h"
 #include "core/vo/kernels/kernels.h"
 
 namespace cliquevo::vo {

@@ -3,10 +3,7 @@
 // instruction set, with the same order of every sum.
 #pragma once
 
-#if defined(__AVX2__)
-#include <immintrin.h>
-#endif
-
+#include "core/vo/kernels/intrinsics.h"
 #include "core/vo/kernels/kernels.h"
 
 namespace cliquevo::vo {
