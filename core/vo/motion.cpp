@@ -13,9 +13,12 @@ namespace {
 
 // Nearer than this a projected point cannot be judged: it is at or behind the camera.
 constexpr double kMinDepth = 1e-3;
-// A step that would gain less than this ends the search: it is three ten-thousandths of the solution's own standard
-// deviation.
-constexpr double kSmallGain = 1e-7;
+// A step that would gain less than this ends the search: it is three thousandths of the solution's own standard
+// deviation. So does one of three hundredths that turns out to gain nothing: weights change with the motion, so that
+// the least cost need not lie exactly where the normal equations have it.
+constexpr double kSmallGain = 1e-5;
+constexpr double kSmallLoss = 1e-3;
+constexpr double kDamped = 1e-3;  // share of the diagonal from which on damping changes a step at all
 // Tightening.
 constexpr double kMedianSquaredSigmas = 2.4;  // of three components, where the sigmas are right
 constexpr double kTighten = 0.5;              // of the sigmas: noise below that is worth another solution ...
@@ -149,7 +152,8 @@ void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Rigid
     Matrix6d H = matrix_of(sums);
     H.diagonal() *= 1.0 + lambda;
     const Vector6d step = H.ldlt().solve(vector_of(sums.g));
-    if (!step.allFinite() || step.dot(vector_of(sums.g)) < kSmallGain) break;
+    const double gain = step.dot(vector_of(sums.g));
+    if (!step.allFinite() || gain < kSmallGain) break;
     RigidTransform candidate;  // the step perturbs T on the right
     const Eigen::Matrix3d dR = so3_exp(step.tail<3>());
     candidate.R = T.R * dR;
@@ -162,7 +166,8 @@ void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Rigid
       sums = next;
       lambda = std::max(1e-9, lambda * 0.1);
     } else {
-      lambda *= 10.0;
+      if (gain < kSmallLoss) break;
+      lambda = std::max(kDamped, lambda * 10.0);
       if (lambda > 1e6) break;
     }
   }
