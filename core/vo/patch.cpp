@@ -58,11 +58,14 @@ bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int rad
   alignas(32) float samples[kMaxPatchSamples];
   const int whole_x = static_cast<int>(x);
   const int whole_y = static_cast<int>(y);
-  if (x == static_cast<float>(whole_x) && y == static_cast<float>(whole_y)) {
-    const int reach = radius + 1;
-    kernels().patch_copy(grid, image.row(whole_y - reach) + whole_x - reach, image.stride, samples);
+  const int reach = radius + 1;
+  const std::uint8_t* const corner = image.row(whole_y - reach) + whole_x - reach;
+  const float right = x - static_cast<float>(whole_x);
+  const float down = y - static_cast<float>(whole_y);
+  if (right == 0.0F && down == 0.0F) {
+    kernels().patch_copy(grid, corner, image.stride, samples);
   } else {
-    kernels().patch_sample(grid, image.data, image.stride, place, 0, grid.side, 0.0F, samples);
+    kernels().patch_shift(grid, corner, image.stride, right, down, samples);
   }
   kernels().patch_inner(grid, samples, out.inner);
   out.radius = radius;

@@ -10,17 +10,18 @@
 namespace cliquevo::vo {
 namespace {
 
-// The largest of the least values of nine neighbours on the circle.
+// The largest of the least values of nine neighbours on the circle. Two such arcs share eight of their nine.
 template <class V>
 inline typename V::Reg best_arc(const typename V::Reg (&m)[16]) {
   using Reg = typename V::Reg;
-  Reg two[16];
-  Reg four[16];
-  for (int i = 0; i < 16; ++i) two[i] = V::min8(m[i], m[(i + 1) & 15]);
-  for (int i = 0; i < 16; ++i) four[i] = V::min8(two[i], two[(i + 2) & 15]);
+  Reg two[8];
+  Reg four[8];
+  for (int i = 0; i < 8; ++i) two[i] = V::min8(m[2 * i + 1], m[(2 * i + 2) & 15]);
+  for (int i = 0; i < 8; ++i) four[i] = V::min8(two[i], two[(i + 1) & 7]);
   Reg best = V::zero();
-  for (int i = 0; i < 16; ++i) {
-    best = V::max8(best, V::min8(V::min8(four[i], four[(i + 4) & 15]), m[(i + 8) & 15]));
+  for (int i = 0; i < 8; ++i) {
+    const Reg eight = V::min8(four[i], four[(i + 2) & 7]);
+    best = V::max8(best, V::min8(eight, V::max8(m[2 * i], m[(2 * i + 9) & 15])));
   }
   return best;
 }

@@ -13,10 +13,6 @@ namespace {
 static_assert(kGraphLanes == kPatchLanes);
 
 // What patch_sums.h does without. at_most_bits: bit i tells that not b < a in lane i.
-inline PlainFloats operator-(PlainFloats a, PlainFloats b) {
-  for (int i = 0; i < kGraphLanes; ++i) a.lane[i] -= b.lane[i];
-  return a;
-}
 inline PlainFloats operator/(PlainFloats a, PlainFloats b) {
   for (int i = 0; i < kGraphLanes; ++i) a.lane[i] /= b.lane[i];
   return a;
@@ -42,9 +38,6 @@ inline unsigned at_most_bits(VectorFloats a, VectorFloats b) {
   return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(b, a, _CMP_NLT_UQ)));
 }
 #else
-inline VectorFloats operator-(VectorFloats a, VectorFloats b) {
-  return {{a.half[0] - b.half[0], a.half[1] - b.half[1]}};
-}
 inline VectorFloats operator/(VectorFloats a, VectorFloats b) {
   return {{a.half[0] / b.half[0], a.half[1] / b.half[1]}};
 }

@@ -142,6 +142,10 @@ struct Kernels {
                        int first, int last, float mean, float* samples);
   // The same where the patch lies on whole pixels; `image` is its first one. 16 bytes of each row are readable.
   void (*patch_copy)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float* samples);
+  // The same with the patch `right` and `down` of there, both at least 0 and below 1. Whole packs of each row and one
+  // byte more are readable, in one row more.
+  void (*patch_shift)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float right, float down,
+                      float* samples);
   // A template's inner part from its samples.
   void (*patch_inner)(const PatchGrid& grid, const float* samples, PatchInner& out);
   void (*patch_sums)(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out);

@@ -19,6 +19,7 @@ struct PlainFloats {
     return a;                                                                 \
   }
 CLIQUEVO_FLOATS_OPERATOR(+)
+CLIQUEVO_FLOATS_OPERATOR(-)
 CLIQUEVO_FLOATS_OPERATOR(*)
 #undef CLIQUEVO_FLOATS_OPERATOR
 
@@ -31,6 +32,9 @@ struct VectorFloats {
 };
 inline VectorFloats operator+(VectorFloats a, VectorFloats b) {
   return {{a.half[0] + b.half[0], a.half[1] + b.half[1]}};
+}
+inline VectorFloats operator-(VectorFloats a, VectorFloats b) {
+  return {{a.half[0] - b.half[0], a.half[1] - b.half[1]}};
 }
 inline VectorFloats operator*(VectorFloats a, VectorFloats b) {
   return {{a.half[0] * b.half[0], a.half[1] * b.half[1]}};
@@ -90,6 +94,12 @@ inline void load_bytes(const std::uint8_t* from, PlainFloats& out) {
 inline void load_bytes(const std::uint8_t* from, VectorFloats& out) {
   out = _mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from))));
 }
+#elif defined(__SSE4_1__)
+inline void load_bytes(const std::uint8_t* from, VectorFloats& out) {
+  const __m128i bytes = _mm_loadl_epi64(reinterpret_cast<const __m128i*>(from));
+  out.half[0] = _mm_cvtepi32_ps(_mm_cvtepu8_epi32(bytes));
+  out.half[1] = _mm_cvtepi32_ps(_mm_cvtepu8_epi32(_mm_srli_si128(bytes, 4)));
+}
 #else
 inline void load_bytes(const std::uint8_t* from, VectorFloats& out) {
   for (int i = 0; i < kPatchLanes; ++i) out.half[i / 4][i % 4] = static_cast<float>(from[i]);
@@ -106,6 +116,32 @@ void patch_copy_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdif
     load_bytes(from + kPatchLanes, packs[1]);
     __builtin_memcpy(to, packs, sizeof packs);
     if (grid.side > 2 * kPatchLanes) to[2 * kPatchLanes] = static_cast<float>(from[2 * kPatchLanes]);
+  }
+}
+
+template <class V>
+void patch_shift_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float right, float down,
+                    float* samples) {
+  const V ax = all_floats<V>(right);
+  const V ay = all_floats<V>(down);
+  const auto across = [&](const std::uint8_t* from) {
+    V here{};
+    V next{};
+    load_bytes(from, here);
+    load_bytes(from + 1, next);
+    return here + ax * (next - here);
+  };
+  constexpr int kMostPacks = (kMaxPatchSide + kPatchLanes - 1) / kPatchLanes;
+  const int packs = (grid.side + kPatchLanes - 1) / kPatchLanes;
+  V top[kMostPacks];
+  for (int k = 0; k < packs; ++k) top[k] = across(image + k * kPatchLanes);
+  for (int y = 0; y < grid.side; ++y) {  // whole packs; what is too much is overwritten by the next row
+    for (int k = 0; k < packs; ++k) {
+      const V low = across(image + (y + 1) * stride + k * kPatchLanes);
+      const V value = top[k] + ay * (low - top[k]);
+      __builtin_memcpy(samples + y * grid.side + k * kPatchLanes, &value, sizeof value);
+      top[k] = low;
+    }
   }
 }
 

@@ -206,8 +206,17 @@ TEST_P(VoKernels, SampleAndSumPatchesToTheReferencesBits) {
       EXPECT_GT(sa.gxx, 0.0F);
       const PatchPlace whole{30.0F, 31.0F, 1.0F, 0.0F, 0.0F, 1.0F};
       reference.patch_sample(grid, image.cview().data, image.cview().stride, whole, 0, grid.side, 0.0F, a);
-      kernel.patch_copy(grid, image.cview().row(30 - radius) + 29 - radius, image.cview().stride, b);
+      const std::uint8_t* const corner = image.cview().row(30 - radius) + 29 - radius;
+      kernel.patch_copy(grid, corner, image.cview().stride, b);
       ASSERT_EQ(0, std::memcmp(a, b, sizeof(float) * static_cast<std::size_t>(grid.side * grid.side)));
+      const float right = p.x - std::floor(p.x);
+      const float down = p.y - std::floor(p.y);
+      reference.patch_shift(grid, corner, image.cview().stride, right, down, a);
+      kernel.patch_shift(grid, corner, image.cview().stride, right, down, b);
+      ASSERT_EQ(0, std::memcmp(a, b, sizeof(float) * static_cast<std::size_t>(grid.side * grid.side)));
+      const PatchPlace shifted{30.0F + right, 31.0F + down, 1.0F, 0.0F, 0.0F, 1.0F};
+      reference.patch_sample(grid, image.cview().data, image.cview().stride, shifted, 0, grid.side, 0.0F, a);
+      for (int i = 0; i < grid.side * grid.side; ++i) ASSERT_NEAR(a[i], b[i], 0.01F);  // coordinates are rounded
     }
   }
 }
