@@ -12,24 +12,45 @@ namespace cliquevo::vo {
 
 Descriptors::Descriptors(int max_features) : bytes_(kDescriptorStride, max_features) { bytes_.fill(0); }
 
+namespace {
+
+// A window without its centre, so that the length is a multiple of 8.
+template <int kWindow>
+void copy_window(ImageView<const std::uint8_t> filtered, int x, int y, std::uint8_t* out) {
+  constexpr int kRadius = kWindow / 2;
+  for (int dy = -kRadius; dy <= kRadius; ++dy) {
+    const std::uint8_t* in = filtered.row(y + dy) + x - kRadius;
+    if (dy != 0) {
+      std::memcpy(out, in, kWindow);
+      out += kWindow;
+    } else {
+      std::memcpy(out, in, kRadius);
+      std::memcpy(out + kRadius, in + kRadius + 1, kRadius);
+      out += 2 * kRadius;
+    }
+  }
+}
+
+}  // namespace
+
 void Descriptors::extract(ImageView<const std::uint8_t> filtered, const std::vector<Feature>& features, int window) {
-  const int r = window / 2;
-  const std::size_t side = static_cast<std::size_t>(window);
   count_ = static_cast<int>(features.size());
   length_ = window * window - 1;
   for (int i = 0; i < count_; ++i) {
     const Feature& f = features[static_cast<std::size_t>(i)];
-    std::uint8_t* out = bytes_.view().row(i);
-    for (int dy = -r; dy <= r; ++dy) {
-      const std::uint8_t* in = filtered.row(f.y + dy) + f.x - r;
-      if (dy != 0) {
-        std::memcpy(out, in, side);
-        out += side;
-      } else {  // without the centre, so that the length is a multiple of 8
-        std::memcpy(out, in, static_cast<std::size_t>(r));
-        std::memcpy(out + r, in + r + 1, static_cast<std::size_t>(r));
-        out += 2 * r;
-      }
+    std::uint8_t* const out = bytes_.view().row(i);
+    switch (window) {
+      case 5:
+        copy_window<5>(filtered, f.x, f.y, out);
+        break;
+      case 7:
+        copy_window<7>(filtered, f.x, f.y, out);
+        break;
+      case 9:
+        copy_window<9>(filtered, f.x, f.y, out);
+        break;
+      default:
+        copy_window<11>(filtered, f.x, f.y, out);
     }
   }
 }
