@@ -52,7 +52,7 @@ struct RealtimeConfig {
   int stereo_priority = 50;    // SCHED_FIFO, 1 to 99; 0 = ordinary time sharing
   int odometry_priority = 50;  //
   int output_priority = 30;    // below them: sending may block
-  int catch_up_frames = 10;    // rt::Handover's backlog
+  int catch_up_frames = 20;    // rt::Handover's backlog
 };
 
 // Logs that the daemon writes: pairs as grabbed, calibration, and the messages that it sends.

@@ -53,7 +53,17 @@ class Progress {
   std::atomic<std::int64_t> last_activity_ns_{0};
 };
 
+// Slots are locked in memory: of large images fewer may wait than was asked for.
+int backlog_within(int asked, const drivers::SourceInfo& info) {
+  constexpr std::int64_t kMostBytes = std::int64_t{256} << 20;
+  constexpr std::int64_t kBytesPerPixel = 7;  // raw and rectified pair, filtered image, disparity
+  const std::int64_t slot = std::max<std::int64_t>(1, kBytesPerPixel * info.width * info.height);
+  const std::int64_t most = (kMostBytes / slot - slots_for(0)) / (slots_for(1) - slots_for(0));
+  return static_cast<int>(std::clamp<std::int64_t>(std::min<std::int64_t>(asked, most), 0, rt::Handover::kMostBacklog));
+}
+
 PipelineOptions for_source(PipelineOptions options, const drivers::FrameSource& source) {
+  options.catch_up_frames = backlog_within(options.catch_up_frames, source.info());
   if (source.info().live) {
     options.speed = 1.0;
     options.errors_are_final = false;
@@ -113,7 +123,7 @@ struct Pipeline::Impl {
   std::unique_ptr<drivers::FrameSource> source;
   bool live;
 
-  int backlog = lossless() ? 0 : std::clamp(options.catch_up_frames, 0, rt::Handover::kMostBacklog);
+  int backlog = lossless() ? 0 : options.catch_up_frames;
   rt::SlotPool<FrameSlot> slots{slots_for(backlog), kReturningThreads};
   rt::Handover to_stereo{backlog};
   rt::Handover to_odometry{backlog};

@@ -23,7 +23,7 @@ struct PipelineOptions {
   double speed = 1.0;            // times the source's own pace; 0: each frame waits for the one before, none is dropped
   bool errors_are_final = true;  // of the source and of single frames: end with it (recordings), or count and go on
   // How many frames may wait behind another, before stereo and before odometry: rt::Handover's backlog.
-  int catch_up_frames = 10;
+  int catch_up_frames = 20;
   rt::ThreadOptions stereo{.name = "vo-stereo"};
   rt::ThreadOptions odometry{.name = "vo-odometry"};
   rt::ThreadOptions output{.name = "vo-output"};

@@ -16,10 +16,10 @@ namespace cliquevo::rt {
 // while the consumer is busy, and once all slots were in it the newest frame would find none; here the producer can
 // take back what nobody has taken, so it always finds a place, and backlog + 3 slots a hop always suffice.
 //
-// A slot that finds another waiting costs patience; ten in a row that find none win one back. While there is patience,
-// slots wait their turn: a consumer that stood still for a moment takes them all, in order. Without it all that wait
-// are skipped: a consumer that is too slow for good gets the newest, and what it is behind by never builds up. One
-// producer, one consumer.
+// A slot that finds another waiting costs patience; three in a row that find none win one back. While there is
+// patience, slots wait their turn: a consumer that stood still for a moment takes them all, in order. Without it all
+// that wait are skipped: a consumer that is too slow for good gets the newest, and what it is behind by never builds
+// up. One producer, one consumer.
 class Handover {
  public:
   static constexpr int kNone = -1;
@@ -86,7 +86,7 @@ class Handover {
   }
 
  private:
-  static constexpr int kCalm = 10;
+  static constexpr int kCalm = 3;
   // Number of the slot's turn and slot in one word, so that a place cannot change hands between a look and the taking.
   static constexpr std::int64_t kEmpty = -1;
   static constexpr int kSlotBits = 16;

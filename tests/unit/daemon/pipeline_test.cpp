@@ -19,10 +19,10 @@ void nap_ms(double ms) { rt::Wakeup().wait(0, static_cast<std::int64_t>(ms * 1e6
 // Frames with nothing in them but a number, `period_ms` apart.
 class Counter : public drivers::FrameSource {
  public:
-  Counter(std::int64_t frames, double period_ms)
+  Counter(std::int64_t frames, double period_ms, int side_px = 16)
       : frames_(frames), period_ns_(static_cast<std::int64_t>(period_ms * 1e6)) {
-    info_.width = 16;
-    info_.height = 16;
+    info_.width = side_px;
+    info_.height = side_px;
     info_.frame_count = frames;
   }
   const drivers::SourceInfo& info() const override { return info_; }
@@ -166,6 +166,24 @@ TEST(Pipeline, AHiccupOfAStageLosesNoFrame) {
     EXPECT_EQ(pipeline->counts().dropped, 0);
     EXPECT_EQ(pipeline->counts().published, kFrames);
   }
+}
+
+// 4000 x 4000 px take 112 MB a frame: none may wait.
+TEST(Pipeline, OfLargeImagesNoMoreWaitThanMemoryAllows) {
+  static constexpr std::int64_t kFrames = 24;
+  Bench bench;
+  auto source = std::make_unique<Counter>(kFrames, 20.0, 4000);
+  const Counter& counter = *source;
+  PipelineWork work = bench.work();
+  work.odometry = [&counter, quick = work.odometry](FrameSlot& slot) {
+    while (slot.pair.index == 12 && counter.given < 12 + 5) nap_ms(0.2);
+    return quick(slot);
+  };
+  auto pipeline = Pipeline::start({.speed = 1.0, .catch_up_frames = 15}, work, std::move(source));
+  ASSERT_TRUE(pipeline.ok());
+  ASSERT_TRUE(pipeline->wait_finished(60 * kSecondNs));
+  EXPECT_GE(pipeline->counts().dropped, 2);
+  EXPECT_EQ(pipeline->counts().published + pipeline->counts().dropped, kFrames);
 }
 
 TEST(Pipeline, AStopLetsTheFramesOnTheirWayOut) {

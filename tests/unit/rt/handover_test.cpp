@@ -92,9 +92,9 @@ TEST(Handover, PatienceComesBackWithSlotsThatNeedNotWait) {
   };
   EXPECT_EQ(hiccup_skips(), 0u);
   EXPECT_EQ(hiccup_skips(), 2u);  // one after the other is no hiccup
-  calm(10);
+  calm(3);
   EXPECT_EQ(hiccup_skips(), 2u);  // one waited, then both were skipped
-  calm(20);
+  calm(6);
   EXPECT_EQ(hiccup_skips(), 0u);
 }
 
