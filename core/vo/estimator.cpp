@@ -23,6 +23,9 @@ constexpr double kVarianceFactor = 1.5;
 constexpr double kFullCoverage = 0.5;
 constexpr double kLeastCoverage = 0.05;
 constexpr double kStrictest = 0.5;
+constexpr double kEvenLight = 15.0;  // grey levels by which light may change unevenly before it counts
+// Ground that was seen to run may show it less the next time, over a longer way and with fewer points.
+constexpr double kWary = 0.5;
 constexpr std::size_t kMostOthers = 8;
 constexpr std::size_t kPilots = 80;
 constexpr int kLeastPilots = 30;
@@ -103,7 +106,7 @@ bool Estimator::rivalled(int explained) const {
 
 Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current,
                               ImageView<const std::int16_t> disparity, const RigidTransform& predicted,
-                              const SelfCheck& check, StepTimes& times) {
+                              const SelfCheck& check, bool wary, StepTimes& times) {
   Comparison out;
   others_.clear();
   const bool started = first_motion(reference, current, predicted, out, times);
@@ -152,12 +155,13 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     out.contradiction = votes.share();
     const double covered = std::clamp(votes.coverage(), kLeastCoverage, kFullCoverage) / kFullCoverage;
     out.motion.covariance /= covered * covered;
+    const double light = change_of_light(observations_, changes_) / kEvenLight;
+    out.motion.covariance *= 1.0 + light * light;
     if (disparity_px > std::max(covered, kStrictest) * params_.max_reprojection_error_px) {
       out.status = Status::reprojection_error;
     }
-    if (out.contradiction > params_.max_contradiction || std::abs(out.unsteadiness_px) > params_.max_unsteadiness_px) {
-      out.status = Status::ambiguous;
-    }
+    out.unsteady = std::abs(out.unsteadiness_px) > (wary ? kWary : 1.0) * params_.max_unsteadiness_px;
+    if (out.unsteady || out.contradiction > params_.max_contradiction) out.status = Status::ambiguous;
   }
   if (out.status == Status::valid || out.status == Status::ambiguous) {
     const int explained =

@@ -24,6 +24,7 @@ struct Comparison {
   double eigenvalue_ratio = 0.0;
   double contradiction = 0.0;    // share of the picture's cells that moved otherwise (core/vo/support.h)
   double unsteadiness_px = 0.0;  // see excess_change()
+  bool unsteady = false;         // refused for that
   double key_overlap = 1.0;      // share of the key frame's features that were found again
 };
 
@@ -33,10 +34,11 @@ class Estimator {
 
   // Motion of `current` against `reference`; `predicted` is tried as a start where the closed form's is poor; `key`
   // (may be null or equal to reference) is an older frame that joins the solution once the clique has given a first
-  // one. Step times are added to `times`.
+  // one. wary: surfaces seemed to run in the frame before, so they must look the steadier now. Step times are added to
+  // `times`.
   Comparison compare(const Frame& reference, const Frame* key, const Frame& current,
                      ImageView<const std::int16_t> disparity, const RigidTransform& predicted, const SelfCheck& check,
-                     StepTimes& times);
+                     bool wary, StepTimes& times);
 
   // Motions beside the one that the last compare() found, the world's if it is valid.
   const OtherMotions& others() const { return others_; }

@@ -118,6 +118,7 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
       sx = -(gyy * gxw - gxy * gyw) / determinant;
       sy = -(gxx * gyw - gxy * gxw) / determinant;
     }
+    const float sse_there = std::max(0.0F, sse + sx * gxw + sy * gyw);  // where the step leads, as far as it is linear
     sx *= kStepLength;
     sy *= kStepLength;
     x += warp.xx * sx + warp.xy * sy;
@@ -127,6 +128,8 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     if (!(shift2 <= max_shift2)) return fit;
     fit.residual = std::sqrt(std::max(0.0F, sse) / n);
     if (sx * sx + sy * sy < kConverged * kConverged) {
+      fit.brighter = s.w / n;
+      fit.correlation = std::sqrt(std::max(0.0F, 1.0F - sse_there / ww));
       fit.ok = fit.residual <= static_cast<float>(params.max_residual);
       break;
     }

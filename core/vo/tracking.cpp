@@ -213,6 +213,7 @@ void Tracker::track(const Frame& reference, const Frame& current, const RigidTra
     o.uvd_cur = {fit.x, fit.y, d};
     o.reference = reference_index;
     o.feature = static_cast<int>(i);
+    o.brighter = fit.brighter;
     o.change = 1.0F - fit.correlation;
     o.difference = 1.0F - stereo.correlation;
     observations.push_back(o);

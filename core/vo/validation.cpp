@@ -52,6 +52,22 @@ double excess_change(const std::vector<Observation>& observations, std::vector<f
   return (change - difference) / std::max(kLeastDifference, std::min(change, difference));
 }
 
+double change_of_light(const std::vector<Observation>& observations, std::vector<float>& scratch) {
+  scratch.clear();
+  for (const Observation& o : observations) {
+    if (o.inlier && o.reference == 0) scratch.push_back(o.brighter);
+  }
+  if (scratch.empty()) return 0.0;
+  const auto smallest_but = [&scratch](std::size_t tenths) {
+    const auto at = scratch.begin() + static_cast<std::ptrdiff_t>(scratch.size() * tenths / 10);
+    std::nth_element(scratch.begin(), at, scratch.end());
+    return *at;
+  };
+  const float common = smallest_but(5);
+  for (float& brighter : scratch) brighter = std::abs(brighter - common);
+  return static_cast<double>(smallest_but(9));
+}
+
 double surprise(const Motion& motion) {
   if (!(motion.offset_information > 0.0) || std::abs(motion.offset_px) > kMostRunning) return 1.0;
   const double variance = kOffsetNoise * kOffsetNoise + 1.0 / motion.offset_information;

@@ -23,6 +23,10 @@ double excess_change(const std::vector<Observation>& observations, std::vector<f
 // residuals ask for an error common to all of them, which should be known by now. 1 (no news) to 3.
 double surprise(const Motion& motion);
 
+// How unevenly the light on the inliers changed since the (first) reference, grey levels: nine in ten changed by no
+// more than that besides what all of them did. A glow that comes or goes draws every feature along its slope.
+double change_of_light(const std::vector<Observation>& observations, std::vector<float>& scratch);
+
 // How far the inliers' disparities in the current frame are from where the motion puts them, px, RMS.
 double disparity_error_px(const std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
                           const RigidTransform& T_prev_cur, const StereoModel& model);

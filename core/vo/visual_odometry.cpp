@@ -70,6 +70,7 @@ struct VisualOdometry::Impl {
   Frame* valid = nullptr;       // last frame with a valid estimate (or the first one)
   Frame* key = nullptr;         // kept reference
   Frame* failed = nullptr;      // last frame, where its estimate failed
+  bool wary = false;            // since the last valid frame surfaces seemed to run
   RigidTransform velocity;      // motion over the last valid interval ...
   TimestampNs velocity_ns = 0;  // ... and its length
   Matrix6d guess_covariance = Matrix6d::Zero();
@@ -205,12 +206,14 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
       if (frame != nullptr && s.params.refine) s.tracker.compensate(s.self_check, *frame);
     }
     Comparison c = s.estimator.compare(*reference, s.key, *s.current, input.disparity, s.prediction(*reference),
-                                       s.self_check, e.times);
+                                       s.self_check, s.wary, e.times);
     if (c.status != Status::valid && s.failed != nullptr) {
+      s.wary = s.wary || c.unsteady;
       reference = s.failed;
       c = s.estimator.compare(*reference, nullptr, *s.current, input.disparity, s.prediction(*reference), s.self_check,
-                              e.times);
+                              s.wary, e.times);
     }
+    s.wary = c.status != Status::valid && (s.wary || c.unsteady);
     e.status = c.status;
     e.matches = c.matches;
     e.clique = c.clique;
@@ -248,6 +251,7 @@ const Movers& VisualOdometry::movers() const { return impl_->mover_tracker.mover
 void VisualOdometry::reset() {
   impl_->valid = impl_->key = impl_->failed = nullptr;
   impl_->velocity_ns = 0;
+  impl_->wary = false;
   impl_->self_check.reset();
   impl_->mover_tracker.reset();
   impl_->estimate = {};

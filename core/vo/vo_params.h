@@ -50,7 +50,7 @@ struct VoParams {
   double max_reprojection_error_px = 0.8;  // RMS over the inliers
   double rival_share = 0.2;                // ambiguous: another motion has this share of the clique's support
   double max_contradiction = 0.14;         // or more than this share of the picture moved otherwise
-  double max_unsteadiness_px = 0.85;       // or surfaces change while their points scatter, as water does, or the
+  double max_unsteadiness_px = 0.7;        // or surfaces change while their points scatter, as water does, or the
                                            // eyes differ by more than a frame changes
 
   int min_mover_points = 6;  // matches that a thing must have to be told from the world

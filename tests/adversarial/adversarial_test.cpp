@@ -61,6 +61,10 @@ void run_cases(std::uint64_t begin, std::uint64_t count, bool (*wanted)(Kind)) {
       ASSERT_TRUE(e.T_world_camera.is_finite() && e.covariance.allFinite()) << c.text;
       const bool valid = e.status == vo::Status::valid;
       std::string what;
+      if (talk && i > 0) {
+        is_lie(e, truth.at(e.prev_stamp_ns).inverse() * truth.at(e.stamp_ns), what);
+        fmt::print("{} {} frame {}, {}: {}\n", kind_name(c.kind), k, i, vo::status_name(e.status), what);
+      }
       if (i >= c.judged_from && valid) {
         ++tally.valid;
         if (is_lie(e, truth.at(e.prev_stamp_ns).inverse() * truth.at(e.stamp_ns), what)) {
