@@ -19,10 +19,22 @@ constexpr double kMinDepth = 1e-3;
 constexpr double kSmallGain = 1e-5;
 constexpr double kSmallLoss = 1e-3;
 constexpr double kDamped = 1e-3;  // share of the diagonal from which on damping changes a step at all
+// Beside a kept reference: where the previous frame was is known no better than what is looked for, and its error is in
+// all its observations alike. At full weight error added up with the frame rate.
+constexpr double kPreviousShare = 0.25;
 // Tightening.
 constexpr double kMedianSquaredSigmas = 2.4;  // of three components, where the sigmas are right
 constexpr double kTighten = 0.5;              // of the sigmas: noise below that is worth another solution ...
 constexpr double kTightest = 0.1;             // ... with sigmas of no less than this share
+
+void add(const MotionSums& part, double weight, MotionSums& sums) {
+  for (int i = 0; i < 21; ++i) sums.H[i] += weight * part.H[i];
+  for (int i = 0; i < 6; ++i) sums.g[i] += weight * part.g[i];
+  for (int i = 0; i < 6; ++i) sums.offset_h[i] += weight * part.offset_h[i];
+  sums.offset_hh += weight * part.offset_hh;
+  sums.offset_g += weight * part.offset_g;
+  sums.cost += weight * part.cost;
+}
 
 }  // namespace
 
@@ -125,7 +137,9 @@ void MotionSolver::accumulate(const std::vector<RigidTransform>& T_prev_ref, con
       state.t[r] = T.t[r];
       state.m[r] = T_ref_cur.t[r];
     }
-    kernels().motion_sums(terms_[k], state, sums);
+    MotionSums part{};
+    kernels().motion_sums(terms_[k], state, part);
+    add(part, k == 0 && T_prev_ref.size() > 1 ? kPreviousShare : 1.0, sums);
   }
 }
 

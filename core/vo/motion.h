@@ -54,7 +54,8 @@ class MotionSolver {
 
   // Levenberg-Marquardt with analytic Jacobians from `start` over all observations flagged as inliers, robust (Huber);
   // then drop those beyond trim_sigmas, take in those within, and solve once more. T_prev_ref[k] places reference k in
-  // the previous camera's frame; observations come grouped by reference. Inlier flags and errors are written back.
+  // the previous camera's frame; observations come grouped by reference. The first is the previous frame itself; beside
+  // others it counts for a quarter. Inlier flags and errors are written back.
   Motion solve(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
                const RigidTransform& start, double sigma_px, double sigma_d_px);
 

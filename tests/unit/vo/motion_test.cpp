@@ -90,6 +90,22 @@ TEST(Motion, TwoReferencesAgreeOnOneMotion) {
   EXPECT_EQ(m.inliers, 80);
 }
 
+// What is known of the previous frame's place is no better than what is looked for.
+TEST(Motion, BesideAKeptReferenceThePreviousFrameCountsForAQuarter) {
+  std::mt19937 rng(4);
+  const RigidTransform seen_from_previous = some_motion(rng, 0.5);
+  RigidTransform seen_from_key = seen_from_previous;
+  seen_from_key.t += Eigen::Vector3d(0.001, 0.0, 0.0);
+  std::mt19937 points(5);
+  std::vector<Observation> observations = observe(seen_from_previous, 100, 0, 0.0, points, 0);
+  points.seed(5);  // the same points
+  const std::vector<Observation> more = observe(seen_from_key, 100, 0, 0.0, points, 1);
+  observations.insert(observations.end(), more.begin(), more.end());
+  const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}, RigidTransform{}}, {}, 0.3, 0.3);
+  ASSERT_TRUE(m.converged);
+  EXPECT_NEAR(m.T_prev_cur.t.x(), seen_from_previous.t.x() + 0.0008, 1e-5);
+}
+
 TEST(Motion, ClosedFormAlignmentIsExactAndRefusesALine) {
   std::mt19937 rng(4);
   const RigidTransform T = some_motion(rng, 3.0);
