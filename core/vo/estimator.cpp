@@ -17,6 +17,7 @@ constexpr double kGoodShare = 0.7;  // of a clique's members that its motion sho
 // that makes the normalised error right (NEES 6) on the simulator's wheeled and walking courses.
 constexpr double kLeastVariance = 0.05;
 constexpr double kVarianceFactor = 1.5;
+constexpr double kVarianceFactorOfTwo = 1.05;  // beside a key frame, where the weights understate the previous frame
 // Errors that neighbours share (of the calibration, of a surface) do not average out where all inliers come from one
 // part of the picture: below this share of its cells the covariance grows with the square of what is missing, and the
 // disparities must fit the better, as behind an eye that hangs; but no better than this share of the usual bound.
@@ -142,7 +143,8 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     out.motion = refined;
     const double residual =
         refined.error_px / params_.sigma_px;  // two of the three components count: disparity is loose
-    out.motion.covariance *= kVarianceFactor * std::max(kLeastVariance, 0.5 * residual * residual);
+    const double factor = references_.size() > 1 ? kVarianceFactorOfTwo : kVarianceFactor;
+    out.motion.covariance *= factor * std::max(kLeastVariance, 0.5 * residual * residual);
   }
   out.eigenvalue_ratio = spread_ratio(observations_);
   const double disparity_px =
