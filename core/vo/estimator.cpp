@@ -25,7 +25,8 @@ constexpr double kFullCoverage = 0.5;
 constexpr double kLeastCoverage = 0.05;
 constexpr double kStrictest = 0.5;
 constexpr double kEvenLight = 15.0;  // grey levels by which light may change unevenly before it counts
-// Ground that was seen to run may show it less the next time, over a longer way and with fewer points.
+// Ground that was seen to run, and a thing that moves before the world, may show it less the next time, over a longer
+// way and with fewer points.
 constexpr double kWary = 0.5;
 constexpr std::size_t kMostOthers = 8;
 constexpr std::size_t kPilots = 80;
@@ -162,8 +163,10 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     if (disparity_px > std::max(covered, kStrictest) * params_.max_reprojection_error_px) {
       out.status = Status::reprojection_error;
     }
-    out.unsteady = std::abs(out.unsteadiness_px) > (wary ? kWary : 1.0) * params_.max_unsteadiness_px;
-    if (out.unsteady || out.contradiction > params_.max_contradiction) out.status = Status::ambiguous;
+    const double bound = wary ? kWary : 1.0;
+    out.doubtful = out.contradiction > bound * params_.max_contradiction ||
+                   std::abs(out.unsteadiness_px) > bound * params_.max_unsteadiness_px;
+    if (out.doubtful) out.status = Status::ambiguous;
   }
   if (out.status == Status::valid || out.status == Status::ambiguous) {
     const int explained =

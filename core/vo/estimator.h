@@ -24,7 +24,7 @@ struct Comparison {
   double eigenvalue_ratio = 0.0;
   double contradiction = 0.0;    // share of the picture's cells that moved otherwise (core/vo/support.h)
   double unsteadiness_px = 0.0;  // see excess_change()
-  bool unsteady = false;         // refused for that
+  bool doubtful = false;         // refused for one of these two
   double key_overlap = 1.0;      // share of the key frame's features that were found again
 };
 
@@ -34,7 +34,7 @@ class Estimator {
 
   // Motion of `current` against `reference`; `predicted` is tried as a start where the closed form's is poor; `key`
   // (may be null or equal to reference) is an older frame that joins the solution once the clique has given a first
-  // one. wary: surfaces seemed to run in the frame before, so they must look the steadier now. Step times are added to
+  // one. wary: the frame before was doubtful, so this one must be the clearer. Step times are added to
   // `times`.
   Comparison compare(const Frame& reference, const Frame* key, const Frame& current,
                      ImageView<const std::int16_t> disparity, const RigidTransform& predicted, const SelfCheck& check,

@@ -67,12 +67,13 @@ struct VisualOdometry::Impl {
   Image<std::uint8_t> mask;
   std::vector<std::unique_ptr<Frame>> frames;
   Frame* current = nullptr;
-  Frame* valid = nullptr;       // last frame with a valid estimate (or the first one)
-  Frame* key = nullptr;         // kept reference
-  Frame* failed = nullptr;      // last frame, where its estimate failed
-  bool wary = false;            // since the last valid frame surfaces seemed to run
-  RigidTransform velocity;      // motion over the last valid interval ...
-  TimestampNs velocity_ns = 0;  // ... and its length
+  Frame* valid = nullptr;                        // last frame with a valid estimate (or the first one)
+  Frame* key = nullptr;                          // kept reference
+  Frame* failed = nullptr;                       // last frame, where its estimate failed
+  bool wary = false;                             // a frame since the last valid one was doubtful
+  Matrix6d valid_covariance = Matrix6d::Zero();  // of its motion against the references it had
+  RigidTransform velocity;                       // motion over the last valid interval ...
+  TimestampNs velocity_ns = 0;                   // ... and its length
   Matrix6d guess_covariance = Matrix6d::Zero();
   Estimate estimate;
 };
@@ -119,6 +120,15 @@ void VisualOdometry::Impl::accept(const Comparison& c, const Frame& reference) {
   current->T_world_camera = (reference.T_world_camera * c.motion.T_prev_cur).normalized();
   estimate.T_prev_cur = T_valid_ref * c.motion.T_prev_cur;
   estimate.covariance = c.motion.covariance;
+  if (key != nullptr && key != valid && &reference == valid) {
+    // The key frame tells where the current frame is better than it was known where the previous one is: then the
+    // motion between them takes back the latter's error.
+    const Matrix6d A = adjoint(velocity.inverse());
+    const Matrix6d before = A * valid_covariance * A.transpose();
+    const double excess = 1.0 - (c.motion.covariance.diagonal().array() / before.diagonal().array()).mean();
+    if (excess > 0.0) estimate.covariance += excess * before;
+  }
+  valid_covariance = c.motion.covariance;
   if (&reference != valid) {
     const Matrix6d A = adjoint(T_valid_ref);
     estimate.covariance = guess_covariance + A * c.motion.covariance * A.transpose();
@@ -208,12 +218,12 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     Comparison c = s.estimator.compare(*reference, s.key, *s.current, input.disparity, s.prediction(*reference),
                                        s.self_check, s.wary, e.times);
     if (c.status != Status::valid && s.failed != nullptr) {
-      s.wary = s.wary || c.unsteady;
+      s.wary = s.wary || c.doubtful;
       reference = s.failed;
       c = s.estimator.compare(*reference, nullptr, *s.current, input.disparity, s.prediction(*reference), s.self_check,
                               s.wary, e.times);
     }
-    s.wary = c.status != Status::valid && (s.wary || c.unsteady);
+    s.wary = c.status != Status::valid && (s.wary || c.doubtful);
     e.status = c.status;
     e.matches = c.matches;
     e.clique = c.clique;
