@@ -31,6 +31,7 @@ constexpr double kWary = 0.5;
 constexpr std::size_t kMostOthers = 8;
 constexpr std::size_t kPilots = 80;
 constexpr int kLeastPilots = 30;
+constexpr double kEnough = 1.15;  // of max_features: so many observations of two references tell what more would
 
 }  // namespace
 
@@ -127,24 +128,32 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     if (pilot.converged && pilot.inliers >= kLeastPilots) out.motion = pilot;
     for (Observation& o : observations_) o.inlier = true;
     constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
-    tracker_.track(reference, current, out.motion.T_prev_cur, 0, kPilots, kAll, check, observations_);
-    std::size_t of_key = 0;  // where the key frame's observations begin
+    const auto of_pilots = static_cast<std::ptrdiff_t>(observations_.size());
+    std::ptrdiff_t of_key = 0;
+    std::size_t last = kAll;
     if (key != nullptr && key != &reference) {
+      // The key frame's tell more; the previous frame's make up the number.
       const RigidTransform T_ref_key = reference.T_world_camera.inverse() * key->T_world_camera;
       references_.push_back(T_ref_key);
-      of_key = observations_.size();
       tracker_.track(*key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, 0, kAll, check, observations_);
+      of_key = static_cast<std::ptrdiff_t>(observations_.size()) - of_pilots;
+      const auto enough = static_cast<std::size_t>(kEnough * params_.max_features);
+      last = kPilots + enough - std::min(enough, observations_.size());
     }
+    tracker_.track(reference, current, out.motion.T_prev_cur, 0, kPilots, last, check, observations_);
+    std::rotate(observations_.begin() + of_pilots, observations_.begin() + of_pilots + of_key, observations_.end());
     const Motion refined =
         solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
-    int found = 0;
-    for (std::size_t i = of_key; i < observations_.size(); ++i) found += observations_[i].inlier ? 1 : 0;
-    const Frame& kept = of_key > 0 ? *key : reference;
+    const bool beside_key = references_.size() > 1;
+    const Frame& kept = beside_key ? *key : reference;
+    const int of_kept = beside_key ? 1 : 0;
+    const auto found = std::count_if(observations_.begin(), observations_.end(),
+                                     [of_kept](const Observation& o) { return o.inlier && o.reference == of_kept; });
     out.key_overlap = static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(1, kept.features.size()));
     out.motion = refined;
     const double residual =
         refined.error_px / params_.sigma_px;  // two of the three components count: disparity is loose
-    const double factor = references_.size() > 1 ? kVarianceFactorOfTwo : kVarianceFactor;
+    const double factor = beside_key ? kVarianceFactorOfTwo : kVarianceFactor;
     out.motion.covariance *= factor * std::max(kLeastVariance, 0.5 * residual * residual);
   }
   out.eigenvalue_ratio = spread_ratio(observations_);
