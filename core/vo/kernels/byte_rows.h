@@ -10,18 +10,18 @@
 namespace cliquevo::vo {
 namespace {
 
-// The largest of the least values of nine neighbours on the circle. Two such arcs share eight of their nine.
-template <class V>
-inline typename V::Reg best_arc(const typename V::Reg (&m)[16]) {
-  using Reg = typename V::Reg;
+// Over all nine neighbours on the circle: the largest of their least values, or with the two exchanged the least of
+// their largest. Two such arcs share eight of their nine.
+template <class Reg, class Less, class More>
+inline Reg best_arc(const Reg (&m)[16], Less&& less, More&& more) {
   Reg two[8];
   Reg four[8];
-  for (int i = 0; i < 8; ++i) two[i] = V::min8(m[2 * i + 1], m[(2 * i + 2) & 15]);
-  for (int i = 0; i < 8; ++i) four[i] = V::min8(two[i], two[(i + 1) & 7]);
-  Reg best = V::zero();
+  for (int i = 0; i < 8; ++i) two[i] = less(m[2 * i + 1], m[(2 * i + 2) & 15]);
+  for (int i = 0; i < 8; ++i) four[i] = less(two[i], two[(i + 1) & 7]);
+  Reg best;
   for (int i = 0; i < 8; ++i) {
-    const Reg eight = V::min8(four[i], four[(i + 2) & 7]);
-    best = V::max8(best, V::min8(eight, V::max8(m[2 * i], m[(2 * i + 9) & 15])));
+    const Reg nine = less(less(four[i], four[(i + 2) & 7]), more(m[2 * i], m[(2 * i + 9) & 15]));
+    best = i == 0 ? nine : more(best, nine);
   }
   return best;
 }
@@ -35,33 +35,38 @@ void fast_row_of(const std::uint8_t* row, std::ptrdiff_t stride, int x0, int x1,
   circle_offsets(stride, offsets);
   const Reg t = V::broadcast8(threshold);
   const Reg one = V::broadcast8(1);
+  const auto least = [](Reg a, Reg b) { return V::min8(a, b); };
+  const auto most = [](Reg a, Reg b) { return V::max8(a, b); };
   for (int next = x0; next < x1; next += kBytes) {
     const int x = next + kBytes <= x1 ? next : x1 - kBytes;  // the last pack overlaps the one before
     const std::uint8_t* p = row + x;
     const Reg c = V::load(p);
-    const auto brighter = [&](int i) { return V::subtract_saturated(V::load(p + offsets[i]), c); };
-    const auto darker = [&](int i) { return V::subtract_saturated(c, V::load(p + offsets[i])); };
+    Reg circle[16];
     // Nine contiguous pixels hold at least one of each opposite pair: reject by those on the axes first, then by the
-    // diagonal ones.
-    const auto crossed = [&](const auto& side, int i) {
-      return V::min8(V::max8(side(i), side(i + 8)), V::max8(side(i + 4), side((i + 12) & 15)));
+    // diagonal ones. At most so bright, and at least so dark, is an arc.
+    const auto brightest = [&](int i) {
+      return V::min8(V::max8(circle[i], circle[i + 8]), V::max8(circle[i + 4], circle[(i + 12) & 15]));
     };
-    Reg b = crossed(brighter, 0);
-    Reg d = crossed(darker, 0);
+    const auto darkest = [&](int i) {
+      return V::max8(V::min8(circle[i], circle[i + 8]), V::min8(circle[i + 4], circle[(i + 12) & 15]));
+    };
+    for (int i = 0; i < 16; i += 4) circle[i] = V::load(p + offsets[i]);
+    Reg bright = brightest(0);
+    Reg dark = darkest(0);
     V::store(scores + x, V::zero());
-    if (!V::any_above(V::max8(b, d), t)) continue;
-    b = V::min8(b, crossed(brighter, 2));
-    d = V::min8(d, crossed(darker, 2));
-    if (!V::any_above(V::max8(b, d), t)) continue;
+    if (!V::any_above(V::max8(V::subtract_saturated(bright, c), V::subtract_saturated(c, dark)), t)) continue;
+    for (int i = 2; i < 16; i += 4) circle[i] = V::load(p + offsets[i]);
+    bright = V::min8(bright, brightest(2));
+    dark = V::max8(dark, darkest(2));
+    const Reg brighter = V::subtract_saturated(bright, c);
+    const Reg darker = V::subtract_saturated(c, dark);
+    const bool any_brighter = V::any_above(brighter, t);
+    const bool any_darker = V::any_above(darker, t);
+    if (!any_brighter && !any_darker) continue;
+    for (int i = 1; i < 16; i += 2) circle[i] = V::load(p + offsets[i]);
     Reg best = V::zero();
-    const auto look = [&](const auto& side, Reg at_most) {
-      if (!V::any_above(at_most, t)) return;
-      Reg circle[16];
-      for (int i = 0; i < 16; ++i) circle[i] = side(i);
-      best = V::max8(best, best_arc<V>(circle));
-    };
-    look(brighter, b);
-    look(darker, d);
+    if (any_brighter) best = V::subtract_saturated(best_arc(circle, least, most), c);
+    if (any_darker) best = V::max8(best, V::subtract_saturated(c, best_arc(circle, most, least)));
     const Reg below = V::equal8(V::subtract_saturated(best, t), V::zero());
     V::store(scores + x, V::select(below, V::zero(), V::subtract_saturated(best, one)));
   }
