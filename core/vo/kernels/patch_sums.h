@@ -148,7 +148,6 @@ void patch_shift_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdi
 template <class V>
 void patch_inner_of(const PatchGrid& grid, const float* samples, PatchInner& out) {
   const V quarter = all_floats<V>(0.25F);
-  const V negative = all_floats<V>(-1.0F);
   const int rows = 2 * grid.radius + 1;
   V sum = all_floats<V>(0.0F);
   for (int y = 0; y < rows; ++y) {
@@ -166,8 +165,9 @@ void patch_inner_of(const PatchGrid& grid, const float* samples, PatchInner& out
       const float* s = samples + (y + 1) * grid.side + x + 1;
       const V mask = load_floats<V>(grid.inside + x);
       const V t = (load_floats<V>(s) + less) * mask;
-      const V gx = quarter * (load_floats<V>(s + 1) + load_floats<V>(s - 1) * negative) * mask;
-      const V gy = quarter * (load_floats<V>(s + grid.side) + load_floats<V>(s - grid.side) * negative) * mask;
+      const V share = mask * quarter;
+      const V gx = (load_floats<V>(s + 1) - load_floats<V>(s - 1)) * share;
+      const V gy = (load_floats<V>(s + grid.side) - load_floats<V>(s - grid.side)) * share;
       tt = tt + t * t;
       __builtin_memcpy(out.t + at, &t, sizeof t);
       __builtin_memcpy(out.gx + at, &gx, sizeof gx);
@@ -181,7 +181,6 @@ template <class V, bool kBoth>
 void patch_sums_of(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out) {
   const V zero = all_floats<V>(0.0F);
   const V quarter = all_floats<V>(0.25F);
-  const V negative = all_floats<V>(-1.0F);
   V w_ = zero, ww = zero, tw = zero, gx_ = zero, gy_ = zero, gxx = zero, gxy = zero, gyy = zero, gxt = zero, gyt = zero,
     gxw = zero, gyw = zero;
   const int rows = 2 * grid.radius + 1;
@@ -192,8 +191,8 @@ void patch_sums_of(const PatchGrid& grid, const PatchInner& inner, const float* 
       const V mask = load_floats<V>(grid.inside + x);
       const V t = load_floats<V>(inner.t + at);
       const V w = load_floats<V>(s) * mask;
-      const V dx = load_floats<V>(s + 1) + load_floats<V>(s - 1) * negative;
-      const V gx = load_floats<V>(inner.gx + at) + dx * quarter * mask;
+      const V share = mask * quarter;
+      const V gx = load_floats<V>(inner.gx + at) + (load_floats<V>(s + 1) - load_floats<V>(s - 1)) * share;
       w_ = w_ + w;
       ww = ww + w * w;
       tw = tw + t * w;
@@ -202,8 +201,8 @@ void patch_sums_of(const PatchGrid& grid, const PatchInner& inner, const float* 
       gxt = gxt + gx * t;
       gxw = gxw + gx * w;
       if constexpr (kBoth) {
-        const V dy = load_floats<V>(s + grid.side) + load_floats<V>(s - grid.side) * negative;
-        const V gy = load_floats<V>(inner.gy + at) + dy * quarter * mask;
+        const V dy = load_floats<V>(s + grid.side) - load_floats<V>(s - grid.side);
+        const V gy = load_floats<V>(inner.gy + at) + dy * share;
         gy_ = gy_ + gy;
         gxy = gxy + gx * gy;
         gyy = gyy + gy * gy;
