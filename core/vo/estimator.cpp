@@ -77,8 +77,10 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, const
   if (!align_points(pairs_, clique_, T_ref_cur)) return false;
   references_.assign(1, RigidTransform{});
   observe(reference, current, clique_);
-  out.motion = solver_.solve_tightening(observations_, references_, T_ref_cur, params_.match_sigma_px,
-                                        params_.match_disparity_sigma_px);
+  // Where the motion is refined afterwards, a start is all that is needed.
+  const auto solve = params_.refine ? &MotionSolver::solve : &MotionSolver::solve_tightening;
+  out.motion = (solver_.*solve)(observations_, references_, T_ref_cur, params_.match_sigma_px,
+                                params_.match_disparity_sigma_px);
   // Far false matches are compatible with nearly everything and can pull the closed form away: then the motion is
   // looked for from the predicted one and from rest, and what most members agree on is taken.
   for (const RigidTransform& start : {predicted, RigidTransform{}}) {

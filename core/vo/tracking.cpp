@@ -54,7 +54,7 @@ void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
   constexpr int kOverlap = 16 - kColumns;  // columns that the second eight share with the first
   ColumnSums sums[2];
   const std::int16_t centre = disparity(f.x, f.y);
-  for (int dy = -kSlantRadius; dy <= kSlantRadius; ++dy) {
+  for (int dy = -kSlantRadius; dy <= kSlantRadius; dy += 2) {
     const std::int16_t* row = disparity.row(f.y + dy) + f.x - kSlantRadius;
     sums[0].add(row, centre, static_cast<std::int16_t>(dy));
     sums[1].add(row + 8 - kOverlap, centre, static_cast<std::int16_t>(dy));
@@ -79,7 +79,7 @@ void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
   const double n = whole_n, sx = whole_x, sy = whole_y, sd = whole_d * kUnit;
   double sxx = whole_xx, sxy = whole_xy, syy = whole_yy, sxd = whole_xd * kUnit, syd = whole_yd * kUnit;
   f.disparity_dx = f.disparity_dy = 0.0;
-  if (n < 30) return;
+  if (n < 16) return;
   sxx -= sx * sx / n;
   sxy -= sx * sy / n;
   syy -= sy * sy / n;
@@ -102,7 +102,7 @@ Tracker::Tracker(const StereoModel& model, const VoParams& params) : model_(mode
 void Tracker::measure_vertical(SelfCheck& check, const Frame& frame) {
   PatchParams patch = patch_;
   patch.max_shift_px = 2.0;
-  const std::size_t step = check.frames() == 0 ? 1 : kVerticalStep;
+  const std::size_t step = check.frames() == 0 ? 1 : check.frames() < 100 ? kVerticalStep : 2 * kVerticalStep;
   Template t;
   for (std::size_t i = phase_++ % step; i < frame.features.size(); i += step) {
     const Feature& f = frame.features[i];
