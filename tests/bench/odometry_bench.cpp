@@ -104,6 +104,7 @@ Result<Sequence> prepare(const std::string& name, std::size_t most) {
 // What is measured of one program on one sequence.
 struct Contender {
   std::string name;
+  bench::OpenCvParams opencv;    // of those that are OpenCV's
   std::vector<double> frame_ms;  // every frame of every pass but the first frame
   std::vector<RigidTransform> poses;
   int failed = 0;
@@ -126,42 +127,30 @@ void timed(Contender& contender, bool count, Step&& step) {
   if (!good) ++contender.failed;
 }
 
-// One pass over the sequence, the programs taking turns; who begins changes with every frame.
-Result<void> run_pass(const Sequence& sequence, std::vector<Contender>& contenders, int features) {
+// One pass over the sequence, the programs taking turns; who begins changes with every frame. The first contender is
+// ours, the others are OpenCV's.
+Result<void> run_pass(const Sequence& sequence, std::vector<Contender>& contenders) {
   auto ours = vo::VisualOdometry::make(sequence.model, vo::VoParams{});
   if (!ours) return ours.error();
-  bench::OpenCvParams opencv;
-  opencv.max_features = features;
-  bench::OpenCvOdometry with_good_features(sequence.model, opencv);
-  opencv.corners = bench::Corners::fast;
-  bench::OpenCvOdometry with_fast(sequence.model, opencv);
+  std::vector<bench::OpenCvOdometry> theirs;
+  for (std::size_t k = 1; k < contenders.size(); ++k) theirs.emplace_back(sequence.model, contenders[k].opencv);
 
   for (Contender& contender : contenders) contender.poses.clear();
   Result<void> outcome;
   for (std::size_t i = 0; i < sequence.frames.size(); ++i) {
     const Frame& frame = sequence.frames[i];
     const bool count = i > 0;
-    for (std::size_t turn = 0; turn < 3; ++turn) {
-      switch ((i + turn) % 3) {
-        case 0:
-          timed(contenders[0], count, [&] {
-            outcome = ours->process({frame.stamp_ns, frame.left.cview(), frame.right.cview(), frame.filtered.cview(),
-                                     frame.disparity.cview()});
-            return outcome.ok() && ours->estimate().status == vo::Status::valid;
-          });
-          if (!outcome) return outcome;
-          break;
-        case 1:
-          timed(contenders[1], count,
-                [&] { return with_good_features.process(frame.left.cview(), frame.disparity.cview()); });
-          break;
-        default:
-          timed(contenders[2], count, [&] { return with_fast.process(frame.left.cview(), frame.disparity.cview()); });
-      }
+    for (std::size_t turn = 0; turn < contenders.size(); ++turn) {
+      const std::size_t k = (i + turn) % contenders.size();
+      timed(contenders[k], count, [&] {
+        if (k > 0) return theirs[k - 1].process(frame.left.cview(), frame.disparity.cview());
+        outcome = ours->process(
+            {frame.stamp_ns, frame.left.cview(), frame.right.cview(), frame.filtered.cview(), frame.disparity.cview()});
+        return outcome.ok() && ours->estimate().status == vo::Status::valid;
+      });
+      if (!outcome) return outcome;
+      contenders[k].poses.push_back(k > 0 ? theirs[k - 1].T_world_camera() : ours->estimate().T_world_camera);
     }
-    contenders[0].poses.push_back(ours->estimate().T_world_camera);
-    contenders[1].poses.push_back(with_good_features.T_world_camera());
-    contenders[2].poses.push_back(with_fast.T_world_camera());
   }
   return {};
 }
@@ -186,17 +175,26 @@ json judge(const Sequence& sequence, const Contender& contender, const std::vect
   return out;
 }
 
-Result<json> bench_source(const std::string& name, std::size_t most, int passes, int features,
+Result<json> bench_source(const std::string& name, std::size_t most, int passes, const std::vector<int>& features,
                           const std::vector<double>& lengths) {
   const auto sequence = prepare(name, most);
   if (!sequence) return sequence.error();
-  std::vector<Contender> contenders(3);
+  std::vector<Contender> contenders(1);
   contenders[0].name = "cliquevo";
-  contenders[1].name = "opencv good features + LK + PnP";
-  contenders[2].name = "opencv FAST + LK + PnP";
+  for (const int n : features) {
+    Contender contender;
+    contender.name = fmt::format("opencv {} good features + LK + PnP", n);
+    contender.opencv.max_features = n;
+    contenders.push_back(contender);
+  }
+  Contender fast;
+  fast.name = fmt::format("opencv {} FAST + LK + PnP", features.front());
+  fast.opencv.corners = bench::Corners::fast;
+  fast.opencv.max_features = features.front();
+  contenders.push_back(fast);
   for (int pass = 0; pass < passes; ++pass) {
     for (Contender& contender : contenders) contender.failed = 0;
-    if (auto run = run_pass(*sequence, contenders, features); !run) return run.error();
+    if (auto run = run_pass(*sequence, contenders); !run) return run.error();
   }
   json out = {{"source", name},
               {"description", sequence->description},
@@ -211,7 +209,7 @@ Result<json> bench_source(const std::string& name, std::size_t most, int passes,
     json entry = judge(*sequence, contender, lengths);
     entry["time_ratio"] = own_ms > 0.0 ? entry["median_ms"].get<double>() / own_ms : 0.0;
     const bool judged = entry.contains("segment_error_pct") && entry["segment_error_pct"].is_number();
-    fmt::print("  {:34} {:7.2f} ms  {:5.2f} x   {} failed   {}\n", contender.name, entry["median_ms"].get<double>(),
+    fmt::print("  {:39} {:7.2f} ms  {:5.2f} x   {} failed   {}\n", contender.name, entry["median_ms"].get<double>(),
                entry["time_ratio"].get<double>(), contender.failed,
                judged ? fmt::format("{:.3f} %  {:.5f} deg/m", entry["segment_error_pct"].get<double>(),
                                     entry["segment_error_deg_m"].get<double>())
@@ -228,13 +226,15 @@ int main(int argc, char** argv) {
   std::vector<double> lengths = {5, 10, 20, 40, 60, 80, 100};
   std::size_t most = 200;
   int passes = 3;
-  int features = 500;
+  std::vector<int> features = {500, 1000};
   std::string json_path;
   CLI::App app("Times odometry (features to pose) beside an OpenCV pipeline and judges both against truth.");
   app.add_option("source", sources, "Recordings or sim:KEY=VALUE,...; default: what the simulator and the data offer");
   app.add_option("--frames", most, "Frames of each source, at most")->capture_default_str();
   app.add_option("--passes", passes, "Times each is run")->check(CLI::Range(1, 1000))->capture_default_str();
   app.add_option("--features", features, "Features a frame for OpenCV's programs; ours runs with its defaults")
+      ->delimiter(',')
+      ->check(CLI::Range(6, 100000))
       ->capture_default_str();
   app.add_option("--lengths", lengths, "Segment lengths, m")->delimiter(',')->capture_default_str();
   app.add_option("--json", json_path, "Write the figures there as well");
