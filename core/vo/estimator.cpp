@@ -24,6 +24,8 @@ constexpr double kVarianceFactorOfTwo = 1.05;  // beside a key frame, where the 
 constexpr double kFullCoverage = 0.5;
 constexpr double kLeastCoverage = 0.05;
 constexpr double kStrictest = 0.5;
+constexpr double kLooser[] = {16.0, 4.0, 1.0};  // times the sigmas of matches, of a guided second attempt
+constexpr int kAttempts = 3;
 constexpr double kEvenLight = 15.0;  // grey levels by which light may change unevenly before it counts
 // Ground that was seen to run, and a thing that moves before the world, may show it less the next time, over a longer
 // way and with fewer points.
@@ -71,26 +73,45 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, const
   clique_finder_.find(pairs_, clique_);
   out.clique = static_cast<int>(clique_.size());
   times.clique_ns += monotonic_ns() - clique_start_ns;
-  if (out.clique < params_.min_inliers) return false;
-
-  RigidTransform T_ref_cur;
-  if (!align_points(pairs_, clique_, T_ref_cur)) return false;
   references_.assign(1, RigidTransform{});
-  observe(reference, current, clique_);
-  // Where the motion is refined afterwards, a start is all that is needed.
-  const auto solve = params_.refine ? &MotionSolver::solve : &MotionSolver::solve_tightening;
-  out.motion = (solver_.*solve)(observations_, references_, T_ref_cur, params_.match_sigma_px,
-                                params_.match_disparity_sigma_px);
-  // Far false matches are compatible with nearly everything and can pull the closed form away: then the motion is
-  // looked for from the predicted one and from rest, and what most members agree on is taken.
-  for (const RigidTransform& start : {predicted, RigidTransform{}}) {
-    if (out.motion.converged && out.motion.inliers >= kGoodShare * out.clique) break;
+  RigidTransform T_ref_cur;
+  if (out.clique >= params_.min_inliers && align_points(pairs_, clique_, T_ref_cur)) {
     observe(reference, current, clique_);
-    const Motion other =
-        solver_.solve(observations_, references_, start, params_.match_sigma_px, params_.match_disparity_sigma_px);
-    if (other.converged && other.inliers > out.motion.inliers) out.motion = other;
+    // Where the motion is refined afterwards, a start is all that is needed.
+    const auto solve = params_.refine ? &MotionSolver::solve : &MotionSolver::solve_tightening;
+    out.motion = (solver_.*solve)(observations_, references_, T_ref_cur, params_.match_sigma_px,
+                                  params_.match_disparity_sigma_px);
+    // Far false matches are compatible with nearly everything and can pull the closed form away: then the motion is
+    // looked for from the predicted one and from rest, and what most members agree on is taken.
+    for (const RigidTransform& start : {predicted, RigidTransform{}}) {
+      if (out.motion.converged && out.motion.inliers >= kGoodShare * out.clique) break;
+      observe(reference, current, clique_);
+      const Motion other =
+          solver_.solve(observations_, references_, start, params_.match_sigma_px, params_.match_disparity_sigma_px);
+      if (other.converged && other.inliers > out.motion.inliers) out.motion = other;
+    }
   }
-  return out.motion.converged && out.motion.inliers >= params_.min_inliers;
+  const auto found = [&] { return out.motion.converged && out.motion.inliers >= params_.min_inliers; };
+  for (const RigidTransform& start : {predicted, RigidTransform{}}) {
+    if (found() || !params_.refine || out.matches < params_.min_inliers) break;
+    out.motion = guided_motion(reference, current, start);
+  }
+  return found();
+}
+
+// A second attempt, without a clique: what the matches agree on loosely, and then ever more closely, near a guess.
+Motion Estimator::guided_motion(const Frame& reference, const Frame& current, const RigidTransform& start) {
+  observations_.clear();
+  for (const Match& m : matches_) observations_.push_back(observe_match(reference, current, m));
+  Motion motion;
+  motion.T_prev_cur = start;
+  for (const double looser : kLooser) {
+    for (Observation& o : observations_) o.inlier = true;
+    motion = solver_.solve(observations_, references_, motion.T_prev_cur, looser * params_.match_sigma_px,
+                           looser * params_.match_disparity_sigma_px);
+    if (!motion.converged) break;
+  }
+  return motion;
 }
 
 void Estimator::observe(const Frame& reference, const Frame& current, const std::vector<int>& members) {
@@ -109,6 +130,46 @@ bool Estimator::rivalled(int explained) const {
   return false;
 }
 
+// Looks for the features of the references where the first motion puts them, and solves again for what is found.
+void Estimator::refine(const Frame& reference, const Frame* key, const Frame& current, const SelfCheck& check,
+                       Comparison& out) {
+  observations_.clear();
+  references_.assign(1, RigidTransform{});
+  // The first features, which are spread over the picture, tell where to look for the others.
+  tracker_.track(reference, current, out.motion.T_prev_cur, 0, 0, kPilots, check, observations_);
+  const Motion pilot =
+      solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
+  if (pilot.converged && pilot.inliers >= kLeastPilots) out.motion = pilot;
+  for (Observation& o : observations_) o.inlier = true;
+  constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+  const auto of_pilots = static_cast<std::ptrdiff_t>(observations_.size());
+  std::ptrdiff_t of_key = 0;
+  std::size_t last = kAll;
+  const bool beside_key = key != nullptr && key != &reference;
+  if (beside_key) {
+    // The key frame's tell more; the previous frame's make up the number.
+    const RigidTransform T_ref_key = reference.T_world_camera.inverse() * key->T_world_camera;
+    references_.push_back(T_ref_key);
+    tracker_.track(*key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, 0, kAll, check, observations_);
+    of_key = static_cast<std::ptrdiff_t>(observations_.size()) - of_pilots;
+    const auto enough = static_cast<std::size_t>(kEnough * params_.max_features);
+    last = kPilots + enough - std::min(enough, observations_.size());
+  }
+  tracker_.track(reference, current, out.motion.T_prev_cur, 0, kPilots, last, check, observations_);
+  std::rotate(observations_.begin() + of_pilots, observations_.begin() + of_pilots + of_key, observations_.end());
+  out.motion =
+      solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
+  const Frame& kept = beside_key ? *key : reference;
+  const int of_kept = beside_key ? 1 : 0;
+  const auto found = std::count_if(observations_.begin(), observations_.end(),
+                                   [of_kept](const Observation& o) { return o.inlier && o.reference == of_kept; });
+  out.key_overlap = static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(1, kept.features.size()));
+  const double residual =
+      out.motion.error_px / params_.sigma_px;  // two of the three components count: disparity is loose
+  const double factor = beside_key ? kVarianceFactorOfTwo : kVarianceFactor;
+  out.motion.covariance *= factor * std::max(kLeastVariance, 0.5 * residual * residual);
+}
+
 Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current,
                               ImageView<const std::int16_t> disparity, const RigidTransform& predicted,
                               const SelfCheck& check, bool wary, StepTimes& times) {
@@ -120,48 +181,18 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     out.status = Status::too_few_features;
     return out;
   }
-  if (params_.refine) {
-    observations_.clear();
-    references_.assign(1, RigidTransform{});
-    // The first features, which are spread over the picture, tell where to look for the others.
-    tracker_.track(reference, current, out.motion.T_prev_cur, 0, 0, kPilots, check, observations_);
-    const Motion pilot =
-        solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
-    if (pilot.converged && pilot.inliers >= kLeastPilots) out.motion = pilot;
-    for (Observation& o : observations_) o.inlier = true;
-    constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
-    const auto of_pilots = static_cast<std::ptrdiff_t>(observations_.size());
-    std::ptrdiff_t of_key = 0;
-    std::size_t last = kAll;
-    if (key != nullptr && key != &reference) {
-      // The key frame's tell more; the previous frame's make up the number.
-      const RigidTransform T_ref_key = reference.T_world_camera.inverse() * key->T_world_camera;
-      references_.push_back(T_ref_key);
-      tracker_.track(*key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, 0, kAll, check, observations_);
-      of_key = static_cast<std::ptrdiff_t>(observations_.size()) - of_pilots;
-      const auto enough = static_cast<std::size_t>(kEnough * params_.max_features);
-      last = kPilots + enough - std::min(enough, observations_.size());
+  double disparity_px = 0.0;
+  for (int attempt = 0, inliers = 0; attempt < kAttempts; ++attempt) {
+    if (params_.refine) {
+      refine(reference, key, current, check, out);
+      disparity_px = disparity_error_px(observations_, references_, out.motion.T_prev_cur, model_);
     }
-    tracker_.track(reference, current, out.motion.T_prev_cur, 0, kPilots, last, check, observations_);
-    std::rotate(observations_.begin() + of_pilots, observations_.begin() + of_pilots + of_key, observations_.end());
-    const Motion refined =
-        solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
-    const bool beside_key = references_.size() > 1;
-    const Frame& kept = beside_key ? *key : reference;
-    const int of_kept = beside_key ? 1 : 0;
-    const auto found = std::count_if(observations_.begin(), observations_.end(),
-                                     [of_kept](const Observation& o) { return o.inlier && o.reference == of_kept; });
-    out.key_overlap = static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(1, kept.features.size()));
-    out.motion = refined;
-    const double residual =
-        refined.error_px / params_.sigma_px;  // two of the three components count: disparity is loose
-    const double factor = beside_key ? kVarianceFactorOfTwo : kVarianceFactor;
-    out.motion.covariance *= factor * std::max(kLeastVariance, 0.5 * residual * residual);
+    out.eigenvalue_ratio = spread_ratio(observations_);
+    out.status = validate(out.motion, out.eigenvalue_ratio, disparity_px, params_);
+    // What was found may be enough to find more.
+    if (out.status == Status::valid || !params_.refine || out.motion.inliers <= inliers) break;
+    inliers = out.motion.inliers;
   }
-  out.eigenvalue_ratio = spread_ratio(observations_);
-  const double disparity_px =
-      params_.refine ? disparity_error_px(observations_, references_, out.motion.T_prev_cur, model_) : 0.0;
-  out.status = validate(out.motion, out.eigenvalue_ratio, disparity_px, params_);
   if (out.status == Status::valid && params_.refine) {
     out.unsteadiness_px = out.motion.error_px * excess_change(observations_, changes_);
     if (out.unsteadiness_px > 0.0) out.unsteadiness_px *= surprise(out.motion);

@@ -49,6 +49,8 @@ class Estimator {
  private:
   bool first_motion(const Frame& reference, const Frame& current, const RigidTransform& predicted, Comparison& out,
                     StepTimes& times);
+  Motion guided_motion(const Frame& reference, const Frame& current, const RigidTransform& start);
+  void refine(const Frame& reference, const Frame* key, const Frame& current, const SelfCheck& check, Comparison& out);
   bool rivalled(int explained) const;
   void observe(const Frame& reference, const Frame& current, const std::vector<int>& members);
 
