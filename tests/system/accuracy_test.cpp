@@ -30,20 +30,20 @@ json judge(const std::string& reference, const std::string& estimate, std::vecto
   return json::parse(done.out);
 }
 
-TEST(Accuracy, KittiOdometrySegmentErrorIsBelowOneAndAHalfPercent) {
+TEST(Accuracy, KittiOdometrySegmentErrorIsBelowSevenTenthsOfAPercent) {
   CLIQUEVO_NEEDS_DATA("kitti_odometry_06");
   const std::string source = data_dir() + "/kitti_odometry_06";
   const json e = judge(source + "/poses.txt", strict_replay(source), {"--lengths", "5,10,20,40"});
   EXPECT_EQ(e["frames_compared"], 51);
-  EXPECT_LE(e["t_err_pct"].get<double>(), 1.5);
+  EXPECT_LE(e["t_err_pct"].get<double>(), 0.7);
 }
 
-TEST(Accuracy, KittiRawRectifiedByOurselvesSegmentErrorIsBelowTwoPercent) {
+TEST(Accuracy, KittiRawRectifiedByOurselvesSegmentErrorIsBelowOnePointTwoPercent) {
   CLIQUEVO_NEEDS_DATA("kitti_raw");
   const std::string source = data_dir() + "/kitti_raw";
   const json e = judge(source + "/poses.txt", strict_replay(source), {"--lengths", "10,20,40,60,80,100"});
   EXPECT_EQ(e["frames_compared"], 140);
-  EXPECT_LE(e["t_err_pct"].get<double>(), 2.0);
+  EXPECT_LE(e["t_err_pct"].get<double>(), 1.2);
 }
 
 TEST(Accuracy, ThePlanetaryRoversStepIsRightWithinFivePercent) {
@@ -57,13 +57,13 @@ TEST(Accuracy, ThePlanetaryRoversStepIsRightWithinFivePercent) {
   EXPECT_NEAR(std::sqrt(v[3] * v[3] + v[7] * v[7] + v[11] * v[11]), 0.153, 0.05 * 0.153);
 }
 
-TEST(Accuracy, HandHeldIndoorsPathIsWithinFivePercentAndPositionsWithinFourCentimetres) {
+TEST(Accuracy, HandHeldIndoorsPathIsWithinThreePercentAndPositionsWithinTwoAndAHalfCentimetres) {
   CLIQUEVO_NEEDS_DATA("zed_indoor");
   const std::string source = data_dir() + "/zed_indoor";
   const json e = judge(source + "/groundtruth.tum", strict_replay(source, "tum"), {"--sample-period", "0.2"});
   EXPECT_GE(e["frames_compared"].get<int>(), 80);
-  EXPECT_NEAR(e["sampled_path_est_m"].get<double>() / e["sampled_path_m"].get<double>(), 1.0, 0.05);
-  EXPECT_LE(e["ate_m"].get<double>(), 0.04);
+  EXPECT_NEAR(e["sampled_path_est_m"].get<double>() / e["sampled_path_m"].get<double>(), 1.0, 0.03);
+  EXPECT_LE(e["ate_m"].get<double>(), 0.025);
 }
 
 // The simulator's own truth, from the statistics.
@@ -74,21 +74,28 @@ json against_truth(const std::string& source) {
   return json::parse(read_file(path));
 }
 
-TEST(Accuracy, AWheeledCourseEndsWithinAQuarterPercent) {
+TEST(Accuracy, AWheeledCourseEndsWithinATenthOfAPercent) {
   const json stats = against_truth("sim:course=wheeled,frames=200");
   EXPECT_EQ(stats["summary"]["frames"], 200);
-  EXPECT_LE(stats["reference"]["end_pct"].get<double>(), 0.25);
+  EXPECT_LE(stats["reference"]["end_pct"].get<double>(), 0.1);
 }
 
-TEST(Accuracy, AWalkingCourseEndsWithinAQuarterPercent) {
+TEST(Accuracy, AWalkingCourseEndsWithinATenthOfAPercent) {
   const json stats = against_truth("sim:course=walking,frames=200");
   EXPECT_EQ(stats["summary"]["frames"], 200);
-  EXPECT_LE(stats["reference"]["end_pct"].get<double>(), 0.25);
+  EXPECT_LE(stats["reference"]["end_pct"].get<double>(), 0.1);
+}
+
+// A third of the matches is true there: the clique alone does not find the motion.
+TEST(Accuracy, AFastGaitAtTenHertzIsFollowed) {
+  const json stats = against_truth("sim:course=walking,frames=93,noise_seed=5,every=3");
+  EXPECT_EQ(stats["summary"]["frames"], 31);
+  EXPECT_LE(stats["reference"]["end_m"].get<double>(), 0.02);
 }
 
 TEST(Accuracy, AStandingCameraStaysWhereItIs) {
   const json stats = against_truth("sim:course=standing,frames=300");
-  for (const json& frame : stats["frames"]) EXPECT_LE(frame["truth_error"]["translation_m"].get<double>(), 0.005);
+  for (const json& frame : stats["frames"]) EXPECT_LE(frame["truth_error"]["translation_m"].get<double>(), 0.002);
 }
 
 }  // namespace
