@@ -212,9 +212,9 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
       out.status = Status::reprojection_error;
     }
     const double bound = wary ? kWary : 1.0;
-    out.doubtful = out.contradiction > bound * params_.max_contradiction ||
-                   std::abs(out.unsteadiness_px) > bound * params_.max_unsteadiness_px;
-    if (out.doubtful) out.status = Status::ambiguous;
+    out.contradicted = out.contradiction > params_.max_contradiction;
+    out.unsteady = std::abs(out.unsteadiness_px) > bound * params_.max_unsteadiness_px;
+    if (out.contradiction > bound * params_.max_contradiction || out.unsteady) out.status = Status::ambiguous;
   }
   if (out.status == Status::valid || out.status == Status::ambiguous) {
     const int explained =

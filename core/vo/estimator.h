@@ -24,7 +24,8 @@ struct Comparison {
   double eigenvalue_ratio = 0.0;
   double contradiction = 0.0;    // share of the picture's cells that moved otherwise (core/vo/support.h)
   double unsteadiness_px = 0.0;  // see excess_change()
-  bool doubtful = false;         // refused for one of these two
+  bool contradicted = false;     // by too much of the picture, whoever is wary or not
+  bool unsteady = false;         // refused for the latter
   double key_overlap = 1.0;      // share of the key frame's features that were found again
 };
 
@@ -34,7 +35,7 @@ class Estimator {
 
   // Motion of `current` against `reference`; `predicted` is tried as a start where the closed form's is poor; `key`
   // (may be null or equal to reference) is an older frame that joins the solution once the clique has given a first
-  // one. wary: the frame before was doubtful, so this one must be the clearer. Step times are added to
+  // one. wary: a frame shortly before was doubtful, so this one must be the clearer. Step times are added to
   // `times`.
   Comparison compare(const Frame& reference, const Frame* key, const Frame& current,
                      ImageView<const std::int16_t> disparity, const RigidTransform& predicted, const SelfCheck& check,

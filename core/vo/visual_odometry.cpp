@@ -34,6 +34,23 @@ constexpr double kSpeed_m_s = 5.0;    // of a vehicle of which nothing is known 
 constexpr double kTurn_rad_s = 0.25;  // what a vehicle that drove straight may do next
 }  // namespace
 
+// After a doubtful frame the next must be the clearer: until one is valid where the ground was seen to run, for some
+// frames only where a part of the picture moved otherwise, as among people there is always some.
+struct Wariness {
+  static constexpr int kFrames = 3;
+  bool of_running_ground = false;
+  int frames = 0;  // to come
+  bool any() const { return of_running_ground || frames > 0; }
+  void learn(const Comparison& c) {
+    if (c.unsteady) of_running_ground = true;
+    if (c.contradicted) frames = kFrames + 1;
+  }
+  void next(bool valid) {
+    frames = valid ? 0 : std::max(0, frames - 1);
+    if (valid) of_running_ground = false;
+  }
+};
+
 struct VisualOdometry::Impl {
   Impl(const StereoModel& model_, const VoParams& params_)
       : model(model_),
@@ -67,10 +84,10 @@ struct VisualOdometry::Impl {
   Image<std::uint8_t> mask;
   std::vector<std::unique_ptr<Frame>> frames;
   Frame* current = nullptr;
-  Frame* valid = nullptr;                        // last frame with a valid estimate (or the first one)
-  Frame* key = nullptr;                          // kept reference
-  Frame* failed = nullptr;                       // last frame, where its estimate failed
-  bool wary = false;                             // a frame since the last valid one was doubtful
+  Frame* valid = nullptr;   // last frame with a valid estimate (or the first one)
+  Frame* key = nullptr;     // kept reference
+  Frame* failed = nullptr;  // last frame, where its estimate failed
+  Wariness wary;
   Matrix6d valid_covariance = Matrix6d::Zero();  // of its motion against the references it had
   RigidTransform velocity;                       // motion over the last valid interval ...
   TimestampNs velocity_ns = 0;                   // ... and its length
@@ -216,14 +233,15 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
       if (frame != nullptr && s.params.refine) s.tracker.compensate(s.self_check, *frame);
     }
     Comparison c = s.estimator.compare(*reference, s.key, *s.current, input.disparity, s.prediction(*reference),
-                                       s.self_check, s.wary, e.times);
+                                       s.self_check, s.wary.any(), e.times);
+    s.wary.learn(c);
     if (c.status != Status::valid && s.failed != nullptr) {
-      s.wary = s.wary || c.doubtful;
       reference = s.failed;
       c = s.estimator.compare(*reference, nullptr, *s.current, input.disparity, s.prediction(*reference), s.self_check,
-                              s.wary, e.times);
+                              s.wary.any(), e.times);
+      s.wary.learn(c);
     }
-    s.wary = c.status != Status::valid && (s.wary || c.doubtful);
+    s.wary.next(c.status == Status::valid);
     e.status = c.status;
     e.matches = c.matches;
     e.clique = c.clique;
@@ -261,7 +279,7 @@ const Movers& VisualOdometry::movers() const { return impl_->mover_tracker.mover
 void VisualOdometry::reset() {
   impl_->valid = impl_->key = impl_->failed = nullptr;
   impl_->velocity_ns = 0;
-  impl_->wary = false;
+  impl_->wary = {};
   impl_->self_check.reset();
   impl_->mover_tracker.reset();
   impl_->estimate = {};

@@ -48,7 +48,7 @@ struct VoParams {
   int min_inliers = 10;                    // 3 is the geometric minimum
   double min_eigenvalue_ratio = 0.02;      // spread of the inliers in the image, smaller / larger axis (variances)
   double max_reprojection_error_px = 0.8;  // RMS over the inliers
-  double rival_share = 0.2;                // ambiguous: another motion has this share of the clique's support
+  double rival_share = 0.35;               // ambiguous: another motion has this share of the clique's support
   double max_contradiction = 0.14;         // or more than this share of the picture moved otherwise
   double max_unsteadiness_px = 0.7;        // or surfaces change while their points scatter, as water does, or the
                                            // eyes differ by more than a frame changes
