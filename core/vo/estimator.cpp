@@ -33,6 +33,7 @@ constexpr double kEvenLight = 15.0;  // grey levels by which light may change un
 // Ground that was seen to run, and a thing that moves before the world, may show it less the next time, over a longer
 // way and with fewer points.
 constexpr double kWary = 0.5;
+constexpr double kWaryInliers = 0.25;  // share of the reference's features that must be found then
 constexpr std::size_t kMostOthers = 8;
 constexpr std::size_t kPilots = 80;
 constexpr int kLeastPilots = 30;
@@ -214,7 +215,10 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     const double bound = wary ? kWary : 1.0;
     out.contradicted = out.contradiction > params_.max_contradiction;
     out.unsteady = std::abs(out.unsteadiness_px) > bound * params_.max_unsteadiness_px;
-    if (out.contradiction > bound * params_.max_contradiction || out.unsteady) out.status = Status::ambiguous;
+    const bool weak = out.motion.inliers < kWaryInliers * static_cast<double>(reference.features.size());
+    if (out.contradiction > bound * params_.max_contradiction || out.unsteady || (wary && weak)) {
+      out.status = Status::ambiguous;
+    }
   }
   if (out.status == Status::valid || out.status == Status::ambiguous) {
     const int explained =
