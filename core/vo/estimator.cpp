@@ -185,8 +185,11 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
   const bool started = first_motion(reference, current, predicted, out, times);
   const std::int64_t start_ns = monotonic_ns();
   if (!started) {
+    // Of fast driving's matches too few may be true, but the features may be where the predicted motion has them.
     out.status = Status::too_few_features;
-    return out;
+    if (!params_.refine || out.matches < params_.min_inliers || predicted.t.isZero()) return out;
+    out.motion = {};
+    out.motion.T_prev_cur = predicted;
   }
   double disparity_px = 0.0;
   for (int attempt = 0, inliers = 0; attempt < kAttempts; ++attempt) {
@@ -196,6 +199,7 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     }
     out.eigenvalue_ratio = spread_ratio(observations_);
     out.status = validate(out.motion, out.eigenvalue_ratio, disparity_px, params_);
+    if (!started && out.motion.inliers < kLeastPilots) out.status = Status::too_few_features;
     // What was found may be enough to find more.
     if (out.status == Status::valid || !params_.refine || out.motion.inliers <= inliers) break;
     inliers = out.motion.inliers;

@@ -93,6 +93,23 @@ TEST(Accuracy, AFastGaitAtTenHertzIsFollowed) {
   EXPECT_LE(stats["reference"]["end_m"].get<double>(), 0.02);
 }
 
+// 3.6 m a frame: until the speed is known, and then no more, frames may fail.
+TEST(Accuracy, FastDrivingIsFollowedOnceItsSpeedIsKnown) {
+  CLIQUEVO_NEEDS_DATA("kitti_odometry_06");
+  const std::string path = scratch_dir() + "/stats.json";
+  const Finished done =
+      run({binary("cliquevo"), "replay", data_dir() + "/kitti_odometry_06", "--every", "3", "--stats", path});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  bool known = false;
+  for (const json& frame : json::parse(read_file(path))["frames"]) {
+    if (known) {
+      EXPECT_EQ(frame["status"], "valid") << frame["index"];
+    }
+    known = known || frame["status"] == "valid";
+  }
+  EXPECT_TRUE(known);
+}
+
 TEST(Accuracy, AStandingCameraStaysWhereItIs) {
   const json stats = against_truth("sim:course=standing,frames=300");
   for (const json& frame : stats["frames"]) EXPECT_LE(frame["truth_error"]["translation_m"].get<double>(), 0.002);
