@@ -100,8 +100,9 @@ TEST(Accuracy, FastDrivingIsFollowedOnceItsSpeedIsKnown) {
   const Finished done =
       run({binary("cliquevo"), "replay", data_dir() + "/kitti_odometry_06", "--every", "3", "--stats", path});
   ASSERT_EQ(done.exit_code, 0) << done.err;
+  const json stats = json::parse(read_file(path));
   bool known = false;
-  for (const json& frame : json::parse(read_file(path))["frames"]) {
+  for (const json& frame : stats["frames"]) {
     if (known) {
       EXPECT_EQ(frame["status"], "valid") << frame["index"];
     }
