@@ -177,21 +177,9 @@ void Estimator::refine(const Frame& reference, const Frame* key, const Frame& cu
   out.motion.covariance *= 1.0 + kOverlapVariance * crowded;
 }
 
-Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current,
-                              ImageView<const std::int16_t> disparity, const RigidTransform& predicted,
-                              const SelfCheck& check, bool wary, StepTimes& times) {
-  Comparison out;
-  others_.clear();
-  const bool started = first_motion(reference, current, predicted, out, times);
-  const std::int64_t start_ns = monotonic_ns();
-  if (!started) {
-    // Of fast driving's matches too few may be true, but the features may be where the predicted motion has them.
-    out.status = Status::too_few_features;
-    if (!params_.refine || out.matches < params_.min_inliers || predicted.t.isZero()) return out;
-    out.motion = {};
-    out.motion.T_prev_cur = predicted;
-  }
-  double disparity_px = 0.0;
+// A5 and A6 from a first motion on, again for as long as what was found is not enough but finds more.
+void Estimator::settle(const Frame& reference, const Frame* key, const Frame& current, const SelfCheck& check,
+                       Comparison& out, double& disparity_px) {
   for (int attempt = 0, inliers = 0; attempt < kAttempts; ++attempt) {
     if (params_.refine) {
       refine(reference, key, current, check, out);
@@ -199,10 +187,33 @@ Comparison Estimator::compare(const Frame& reference, const Frame* key, const Fr
     }
     out.eigenvalue_ratio = spread_ratio(observations_);
     out.status = validate(out.motion, out.eigenvalue_ratio, disparity_px, params_);
-    if (!started && out.motion.inliers < kLeastPilots) out.status = Status::too_few_features;
-    // What was found may be enough to find more.
     if (out.status == Status::valid || !params_.refine || out.motion.inliers <= inliers) break;
     inliers = out.motion.inliers;
+  }
+}
+
+Comparison Estimator::compare(const Frame& reference, const Frame* key, const Frame& current,
+                              ImageView<const std::int16_t> disparity, std::span<const RigidTransform> predicted,
+                              const SelfCheck& check, bool wary, StepTimes& times) {
+  Comparison out;
+  others_.clear();
+  const bool started = first_motion(reference, current, predicted.front(), out, times);
+  const std::int64_t start_ns = monotonic_ns();
+  double disparity_px = 0.0;
+  if (started) {
+    settle(reference, key, current, check, out, disparity_px);
+  } else {
+    // Of fast driving's matches too few may be true, but the features may be where a predicted motion has them.
+    out.status = Status::too_few_features;
+    if (!params_.refine || out.matches < params_.min_inliers) return out;
+    for (const RigidTransform& start : predicted) {
+      if (start.t.isZero()) continue;
+      out.motion = {};
+      out.motion.T_prev_cur = start;
+      settle(reference, key, current, check, out, disparity_px);
+      if (out.motion.inliers < kLeastPilots) out.status = Status::too_few_features;
+      if (out.status == Status::valid) break;
+    }
   }
   if (out.status == Status::valid && params_.refine) {
     out.unsteadiness_px = out.motion.error_px * excess_change(observations_, changes_);

@@ -2,6 +2,7 @@
 // Steps A2' to A6 for one pair of frames: from features to a judged motion.
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/vo/clique.h"
@@ -33,13 +34,14 @@ class Estimator {
  public:
   Estimator(const StereoModel& model, const VoParams& params);
 
-  // Motion of `current` against `reference`; `predicted` is tried as a start where the closed form's is poor; `key`
+  // Motion of `current` against `reference`; the first of `predicted` is tried as a start where the closed form's is
+  // poor, and all of them where the matches give none; `key`
   // (may be null or equal to reference) is an older frame that joins the solution once the clique has given a first
   // one. wary: a frame shortly before was doubtful, so this one must be the clearer. Step times are added to
   // `times`.
   Comparison compare(const Frame& reference, const Frame* key, const Frame& current,
-                     ImageView<const std::int16_t> disparity, const RigidTransform& predicted, const SelfCheck& check,
-                     bool wary, StepTimes& times);
+                     ImageView<const std::int16_t> disparity, std::span<const RigidTransform> predicted,
+                     const SelfCheck& check, bool wary, StepTimes& times);
 
   // Motions beside the one that the last compare() found, the world's if it is valid.
   const OtherMotions& others() const { return others_; }
@@ -52,6 +54,8 @@ class Estimator {
                     StepTimes& times);
   Motion guided_motion(const Frame& reference, const Frame& current, const RigidTransform& start);
   void refine(const Frame& reference, const Frame* key, const Frame& current, const SelfCheck& check, Comparison& out);
+  void settle(const Frame& reference, const Frame* key, const Frame& current, const SelfCheck& check, Comparison& out,
+              double& disparity_px);
   bool rivalled(int explained) const;
   void observe(const Frame& reference, const Frame& current, const std::vector<int>& members);
 

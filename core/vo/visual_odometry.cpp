@@ -2,6 +2,8 @@
 #include "core/vo/visual_odometry.h"
 
 #include <algorithm>
+#include <array>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -30,7 +32,9 @@ const char* status_name(Status status) {
 
 namespace {
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSpeed_m_s = 5.0;    // of a vehicle of which nothing is known yet
+constexpr double kSpeed_m_s = 5.0;  // of a vehicle of which nothing is known yet
+// Where nothing is known of the speed: straight ahead at these.
+constexpr double kSpeeds_m_s[] = {0.0, 8.0, 14.0, 20.0, 26.0, 32.0, 38.0};
 constexpr double kTurn_rad_s = 0.25;  // what a vehicle that drove straight may do next
 }  // namespace
 
@@ -72,6 +76,7 @@ struct VisualOdometry::Impl {
   void accept(const Comparison& comparison, const Frame& reference);
   void carry_on();
   RigidTransform prediction(const Frame& since) const;
+  std::span<const RigidTransform> predictions(const Frame& since);
   Frame* spare();
 
   StereoModel model;
@@ -89,8 +94,9 @@ struct VisualOdometry::Impl {
   Frame* failed = nullptr;  // last frame, where its estimate failed
   Wariness wary;
   Matrix6d valid_covariance = Matrix6d::Zero();  // of its motion against the references it had
-  RigidTransform velocity;                       // motion over the last valid interval ...
-  TimestampNs velocity_ns = 0;                   // ... and its length
+  std::array<RigidTransform, std::size(kSpeeds_m_s)> predicted;
+  RigidTransform velocity;      // motion over the last valid interval ...
+  TimestampNs velocity_ns = 0;  // ... and its length
   Matrix6d guess_covariance = Matrix6d::Zero();
   Estimate estimate;
 };
@@ -170,6 +176,15 @@ RigidTransform VisualOdometry::Impl::prediction(const Frame& since) const {
   return step;
 }
 
+// Where to look: there, or wherever it may be as long as no speed is known.
+std::span<const RigidTransform> VisualOdometry::Impl::predictions(const Frame& since) {
+  predicted.fill(prediction(since));
+  if (velocity_ns > 0) return {predicted.data(), 1};
+  const double elapsed_s = static_cast<double>(current->stamp_ns - since.stamp_ns) * 1e-9;
+  for (std::size_t k = 0; k < predicted.size(); ++k) predicted[k].t.z() = kSpeeds_m_s[k] * elapsed_s;
+  return predicted;
+}
+
 // A failed frame: the pose moves on by the stated guess, and the next attempt may start from here.
 void VisualOdometry::Impl::carry_on() {
   const Frame& last = failed != nullptr ? *failed : *valid;
@@ -232,12 +247,12 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
     for (Frame* frame : {s.valid, s.key, s.failed}) {
       if (frame != nullptr && s.params.refine) s.tracker.compensate(s.self_check, *frame);
     }
-    Comparison c = s.estimator.compare(*reference, s.key, *s.current, input.disparity, s.prediction(*reference),
+    Comparison c = s.estimator.compare(*reference, s.key, *s.current, input.disparity, s.predictions(*reference),
                                        s.self_check, s.wary.any(), e.times);
     s.wary.learn(c);
     if (c.status != Status::valid && s.failed != nullptr) {
       reference = s.failed;
-      c = s.estimator.compare(*reference, nullptr, *s.current, input.disparity, s.prediction(*reference), s.self_check,
+      c = s.estimator.compare(*reference, nullptr, *s.current, input.disparity, s.predictions(*reference), s.self_check,
                               s.wary.any(), e.times);
       s.wary.learn(c);
     }
