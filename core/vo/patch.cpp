@@ -55,19 +55,11 @@ bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int rad
   const PatchGrid& grid = grid_of(radius);
   const PatchPlace place{x, y, 1.0F, 0.0F, 0.0F, 1.0F};
   if (!inside(image, place, radius + 1)) return false;
-  alignas(32) float samples[kMaxPatchSamples];
   const int whole_x = static_cast<int>(x);
   const int whole_y = static_cast<int>(y);
   const int reach = radius + 1;
-  const std::uint8_t* const corner = image.row(whole_y - reach) + whole_x - reach;
-  const float right = x - static_cast<float>(whole_x);
-  const float down = y - static_cast<float>(whole_y);
-  if (right == 0.0F && down == 0.0F) {
-    kernels().patch_copy(grid, corner, image.stride, samples);
-  } else {
-    kernels().patch_shift(grid, corner, image.stride, right, down, samples);
-  }
-  kernels().patch_inner(grid, samples, out.inner);
+  kernels().patch_cut(grid, image.row(whole_y - reach) + whole_x - reach, image.stride, x - static_cast<float>(whole_x),
+                      y - static_cast<float>(whole_y), out.inner);
   out.radius = radius;
   return true;
 }
@@ -79,11 +71,9 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
   const int r = reference.radius;
   const PatchGrid& grid = grid_of(r);
   const float n = static_cast<float>((2 * r + 1) * (2 * r + 1));
-  alignas(32) float samples[kMaxPatchSamples];
   const float start_x = x;
   const float start_y = y;
   const float tt = reference.inner.tt;
-  const int ring = freedom == Freedom::both ? 0 : 1;  // a search along the row needs no gradient across it
   if (!(tt > n)) return fit;                          // no contrast at all
   const float max_shift2 = static_cast<float>(params.max_shift_px * params.max_shift_px);
   for (int iteration = 0; iteration < params.iterations; ++iteration) {
@@ -92,8 +82,8 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     // Least squares for W + Gx sx + Gy sy = gain T + bias, where G is the mean gradient of T and W (the second-order
     // step) and T is without its mean.
     PatchSums s{};
-    k.patch_sample(grid, image.data, image.stride, place, ring, grid.side - ring, reference.inner.mean, samples);
-    (freedom == Freedom::both ? k.patch_sums : k.patch_sums_across)(grid, reference.inner, samples, s);
+    const auto sums = freedom == Freedom::both ? k.patch_sums : k.patch_sums_across;
+    sums(grid, image.data, image.stride, place, reference.inner, s);
     // Take out the bias (means), then the gain.
     const float ww = s.ww - s.w * s.w / n;
     const float gain = s.tw / tt;

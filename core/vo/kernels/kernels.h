@@ -136,21 +136,17 @@ struct Kernels {
                      std::int16_t* column_best);
   // Step A4: which nodes keep their distance to `node`: bit j % 8 of bits[j / 8] for j < count, the rest 0.
   void (*graph_row)(const GraphNodes& nodes, int node, const GraphTest& test, std::uint8_t* bits);
-  // Bilinear samples of the image less `mean`, of the rows from `first` on and before `last`. The caller has made sure
-  // that all lie inside, 3 px from the right and the lower border.
-  void (*patch_sample)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
-                       int first, int last, float mean, float* samples);
-  // The same where the patch lies on whole pixels; `image` is its first one. 16 bytes of each row are readable.
-  void (*patch_copy)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float* samples);
-  // The same with the patch `right` and `down` of there, both at least 0 and below 1. Whole packs of each row and one
-  // byte more are readable, in one row more.
-  void (*patch_shift)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float right, float down,
-                      float* samples);
-  // A template's inner part from its samples.
-  void (*patch_inner)(const PatchGrid& grid, const float* samples, PatchInner& out);
-  void (*patch_sums)(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out);
+  // A template: bilinear samples `right` and `down` of the pixels from `image` on, both at least 0 and below 1. Whole
+  // packs of each row and one byte more are readable, in one row more.
+  void (*patch_cut)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float right, float down,
+                    PatchInner& out);
+  // Bilinear samples of the image at `place`, less the template's mean, and their sums. The caller has made sure that
+  // all lie inside, 3 px from the right and the lower border.
+  void (*patch_sums)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
+                     const PatchInner& inner, PatchSums& out);
   // The same without the sums over gy, which a search along the row does without.
-  void (*patch_sums_across)(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out);
+  void (*patch_sums_across)(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride,
+                            const PatchPlace& place, const PatchInner& inner, PatchSums& out);
   // Adds one reference frame's part of the normal equations, and writes each observation's squared sigmas.
   void (*motion_sums)(const MotionTerms& terms, const MotionState& state, MotionSums& out);
 };

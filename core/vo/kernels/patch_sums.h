@@ -48,6 +48,23 @@ inline V load_floats(const float* from) {
   return out;
 }
 
+// v where `inside` is 1, 0 where it is 0: padding counts for nothing, whatever was read there.
+inline PlainFloats only(PlainFloats v, PlainFloats inside) {
+  for (int i = 0; i < kPatchLanes; ++i) v.lane[i] = inside.lane[i] > 0.0F ? v.lane[i] : 0.0F;
+  return v;
+}
+#if defined(__AVX2__)
+inline VectorFloats only(VectorFloats v, VectorFloats inside) {
+  const VectorFloats zero{};
+  return zero < inside ? v : zero;
+}
+#else
+inline VectorFloats only(VectorFloats v, VectorFloats inside) {
+  const HalfFloats zero{};
+  return {{zero < inside.half[0] ? v.half[0] : zero, zero < inside.half[1] ? v.half[1] : zero}};
+}
+#endif
+
 // ((0 + 4) + (2 + 6)) + ((1 + 5) + (3 + 7))
 inline float sum_floats(const PlainFloats& v) {
   const float* lane = v.lane;
@@ -106,6 +123,7 @@ inline void load_bytes(const std::uint8_t* from, VectorFloats& out) {
 }
 #endif
 
+// Samples of a template that lies on whole pixels.
 template <class V>
 void patch_copy_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float* samples) {
   for (int y = 0; y < grid.side; ++y) {  // whole packs; what is too much is overwritten by the next row
@@ -119,25 +137,29 @@ void patch_copy_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdif
   }
 }
 
+// Eight samples `right` of whole pixels.
+template <class V>
+inline V samples_across(const std::uint8_t* from, V right) {
+  V here{};
+  V next{};
+  load_bytes(from, here);
+  load_bytes(from + 1, next);
+  return here + right * (next - here);
+}
+
+// Samples of a template that lies between pixels.
 template <class V>
 void patch_shift_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float right, float down,
                     float* samples) {
   const V ax = all_floats<V>(right);
   const V ay = all_floats<V>(down);
-  const auto across = [&](const std::uint8_t* from) {
-    V here{};
-    V next{};
-    load_bytes(from, here);
-    load_bytes(from + 1, next);
-    return here + ax * (next - here);
-  };
   constexpr int kMostPacks = (kMaxPatchSide + kPatchLanes - 1) / kPatchLanes;
   const int packs = (grid.side + kPatchLanes - 1) / kPatchLanes;
   V top[kMostPacks];
-  for (int k = 0; k < packs; ++k) top[k] = across(image + k * kPatchLanes);
+  for (int k = 0; k < packs; ++k) top[k] = samples_across(image + k * kPatchLanes, ax);
   for (int y = 0; y < grid.side; ++y) {  // whole packs; what is too much is overwritten by the next row
     for (int k = 0; k < packs; ++k) {
-      const V low = across(image + (y + 1) * stride + k * kPatchLanes);
+      const V low = samples_across(image + (y + 1) * stride + k * kPatchLanes, ax);
       const V value = top[k] + ay * (low - top[k]);
       __builtin_memcpy(samples + y * grid.side + k * kPatchLanes, &value, sizeof value);
       top[k] = low;
@@ -146,28 +168,33 @@ void patch_shift_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdi
 }
 
 template <class V>
-void patch_inner_of(const PatchGrid& grid, const float* samples, PatchInner& out) {
+void patch_cut_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, float right, float down,
+                  PatchInner& out) {
+  alignas(32) float samples[kMaxPatchSamples];
+  if (right == 0.0F && down == 0.0F) {
+    patch_copy_of<V>(grid, image, stride, samples);
+  } else {
+    patch_shift_of<V>(grid, image, stride, right, down, samples);
+  }
   const V quarter = all_floats<V>(0.25F);
   const int rows = 2 * grid.radius + 1;
   V sum = all_floats<V>(0.0F);
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < grid.row; x += kPatchLanes) {
-      const float* s = samples + (y + 1) * grid.side + x + 1;
-      sum = sum + load_floats<V>(s) * load_floats<V>(grid.inside + x);
+      sum = sum + only(load_floats<V>(samples + (y + 1) * grid.side + x + 1), load_floats<V>(grid.inside + x));
     }
   }
   out.mean = sum_floats(sum) / static_cast<float>(rows * rows);
-  const V less = all_floats<V>(-out.mean);
+  const V mean = all_floats<V>(out.mean);
   V tt = all_floats<V>(0.0F);
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < grid.row; x += kPatchLanes) {
       const int at = y * grid.row + x;
       const float* s = samples + (y + 1) * grid.side + x + 1;
-      const V mask = load_floats<V>(grid.inside + x);
-      const V t = (load_floats<V>(s) + less) * mask;
-      const V share = mask * quarter;
-      const V gx = (load_floats<V>(s + 1) - load_floats<V>(s - 1)) * share;
-      const V gy = (load_floats<V>(s + grid.side) - load_floats<V>(s - grid.side)) * share;
+      const V inside = load_floats<V>(grid.inside + x);
+      const V t = only(load_floats<V>(s) - mean, inside);
+      const V gx = only((load_floats<V>(s + 1) - load_floats<V>(s - 1)) * quarter, inside);
+      const V gy = only((load_floats<V>(s + grid.side) - load_floats<V>(s - grid.side)) * quarter, inside);
       tt = tt + t * t;
       __builtin_memcpy(out.t + at, &t, sizeof t);
       __builtin_memcpy(out.gx + at, &gx, sizeof gx);
@@ -177,54 +204,76 @@ void patch_inner_of(const PatchGrid& grid, const float* samples, PatchInner& out
   out.tt = sum_floats(tt);
 }
 
+// The sums of PatchSums, a pack of eight at a time.
 template <class V, bool kBoth>
-void patch_sums_of(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out) {
-  const V zero = all_floats<V>(0.0F);
-  const V quarter = all_floats<V>(0.25F);
-  V w_ = zero, ww = zero, tw = zero, gx_ = zero, gy_ = zero, gxx = zero, gxy = zero, gyy = zero, gxt = zero, gyt = zero,
-    gxw = zero, gyw = zero;
-  const int rows = 2 * grid.radius + 1;
-  for (int y = 0; y < rows; ++y) {
-    for (int x = 0; x < grid.row; x += kPatchLanes) {
-      const int at = y * grid.row + x;
-      const float* s = samples + (y + 1) * grid.side + x + 1;
-      const V mask = load_floats<V>(grid.inside + x);
-      const V t = load_floats<V>(inner.t + at);
-      const V w = load_floats<V>(s) * mask;
-      const V share = mask * quarter;
-      const V gx = load_floats<V>(inner.gx + at) + (load_floats<V>(s + 1) - load_floats<V>(s - 1)) * share;
-      w_ = w_ + w;
-      ww = ww + w * w;
-      tw = tw + t * w;
-      gx_ = gx_ + gx;
-      gxx = gxx + gx * gx;
-      gxt = gxt + gx * t;
-      gxw = gxw + gx * w;
-      if constexpr (kBoth) {
-        const V dy = load_floats<V>(s + grid.side) - load_floats<V>(s - grid.side);
-        const V gy = load_floats<V>(inner.gy + at) + dy * share;
-        gy_ = gy_ + gy;
-        gxy = gxy + gx * gy;
-        gyy = gyy + gy * gy;
-        gyt = gyt + gy * t;
-        gyw = gyw + gy * w;
-      }
+struct PatchAdder {
+  V w = all_floats<V>(0.0F), ww = w, tw = w, gx = w, gy = w, gxx = w, gxy = w, gyy = w, gxt = w, gyt = w, gxw = w,
+    gyw = w;
+
+  // `at`: where in the inner part; `sample`: of the image, its central differences dx and dy.
+  [[gnu::always_inline]] void add(const PatchInner& inner, int at, V inside, V sample, V dx, V dy) {
+    const V quarter = all_floats<V>(0.25F);
+    const V t = load_floats<V>(inner.t + at);
+    const V here = only(sample, inside);
+    const V across = load_floats<V>(inner.gx + at) + only(dx * quarter, inside);
+    w = w + here;
+    ww = ww + here * here;
+    tw = tw + t * here;
+    gx = gx + across;
+    gxx = gxx + across * across;
+    gxt = gxt + across * t;
+    gxw = gxw + across * here;
+    if constexpr (kBoth) {
+      const V down = load_floats<V>(inner.gy + at) + only(dy * quarter, inside);
+      gy = gy + down;
+      gxy = gxy + across * down;
+      gyy = gyy + down * down;
+      gyt = gyt + down * t;
+      gyw = gyw + down * here;
     }
   }
-  out.w = sum_floats(w_);
-  out.ww = sum_floats(ww);
-  out.tw = sum_floats(tw);
-  out.gx = sum_floats(gx_);
-  out.gxx = sum_floats(gxx);
-  out.gxt = sum_floats(gxt);
-  out.gxw = sum_floats(gxw);
-  if constexpr (kBoth) {
-    out.gy = sum_floats(gy_);
-    out.gxy = sum_floats(gxy);
-    out.gyy = sum_floats(gyy);
-    out.gyt = sum_floats(gyt);
-    out.gyw = sum_floats(gyw);
+
+  void finish(PatchSums& out) const {
+    out = {};
+    out.w = sum_floats(w);
+    out.ww = sum_floats(ww);
+    out.tw = sum_floats(tw);
+    out.gx = sum_floats(gx);
+    out.gxx = sum_floats(gxx);
+    out.gxt = sum_floats(gxt);
+    out.gxw = sum_floats(gxw);
+    if constexpr (kBoth) {
+      out.gy = sum_floats(gy);
+      out.gxy = sum_floats(gxy);
+      out.gyy = sum_floats(gyy);
+      out.gyt = sum_floats(gyt);
+      out.gyw = sum_floats(gyw);
+    }
   }
+};
+
+template <class V, bool kBoth>
+void add_samples(const PatchGrid& grid, const PatchInner& inner, const float* samples, PatchSums& out) {
+  PatchAdder<V, kBoth> sums;
+  for (int y = 0; y < 2 * grid.radius + 1; ++y) {
+    for (int x = 0; x < grid.row; x += kPatchLanes) {
+      const float* s = samples + (y + 1) * grid.side + x + 1;
+      V dy = all_floats<V>(0.0F);
+      if constexpr (kBoth) dy = load_floats<V>(s + grid.side) - load_floats<V>(s - grid.side);
+      sums.add(inner, y * grid.row + x, load_floats<V>(grid.inside + x), load_floats<V>(s),
+               load_floats<V>(s + 1) - load_floats<V>(s - 1), dy);
+    }
+  }
+  sums.finish(out);
+}
+
+template <class V, bool kBoth>
+void patch_sums_of(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t stride, const PatchPlace& place,
+                   const PatchInner& inner, PatchSums& out) {
+  constexpr int kRing = kBoth ? 0 : 1;  // rows that gradients along the row do without
+  alignas(32) float samples[kMaxPatchSamples];
+  patch_sample_plain(grid, image, stride, place, kRing, grid.side - kRing, inner.mean, samples);
+  add_samples<V, kBoth>(grid, inner, samples, out);
 }
 
 }  // namespace

@@ -180,43 +180,34 @@ TEST_P(VoKernels, SampleAndSumPatchesToTheReferencesBits) {
       grid.dy[i] = static_cast<float>(row - radius - 1);
     }
     for (int i = 0; i < 2 * radius + 1; ++i) grid.inside[i] = 1.0F;
+    const std::uint8_t* const corner = image.cview().row(30 - radius) + 29 - radius;
     for (int trial = 0; trial < 50; ++trial) {
       const PatchPlace p{place(rng), place(rng), near(rng), off(rng), off(rng), near(rng)};
-      alignas(32) float a[kMaxPatchSamples] = {}, b[kMaxPatchSamples] = {};
-      reference.patch_sample(grid, image.cview().data, image.cview().stride, p, 0, grid.side, 100.0F, a);
-      kernel.patch_sample(grid, image.cview().data, image.cview().stride, p, 0, grid.side, 100.0F, b);
-      ASSERT_EQ(0, std::memcmp(a, b, sizeof(float) * static_cast<std::size_t>(grid.side * grid.side)));
-      alignas(32) float part[kMaxPatchSamples] = {};
-      kernel.patch_sample(grid, image.cview().data, image.cview().stride, p, 1, grid.side - 1, 100.0F, part);
-      ASSERT_EQ(0, std::memcmp(a + grid.side, part + grid.side,
-                               sizeof(float) * static_cast<std::size_t>(grid.side * (grid.side - 2))));
       PatchSums sa{}, sb{};
-      reference.patch_sums(grid, found.inner, a, sa);
-      kernel.patch_sums(grid, found.inner, a, sb);
+      reference.patch_sums(grid, image.cview().data, image.cview().stride, p, found.inner, sa);
+      kernel.patch_sums(grid, image.cview().data, image.cview().stride, p, found.inner, sb);
       ASSERT_EQ(0, std::memcmp(&sa, &sb, sizeof sa)) << "radius " << radius;
+      EXPECT_GT(sa.gxx, 0.0F);
       PatchSums across_a{}, across_b{};
-      reference.patch_sums_across(grid, found.inner, a, across_a);
-      kernel.patch_sums_across(grid, found.inner, a, across_b);
+      reference.patch_sums_across(grid, image.cview().data, image.cview().stride, p, found.inner, across_a);
+      kernel.patch_sums_across(grid, image.cview().data, image.cview().stride, p, found.inner, across_b);
       ASSERT_EQ(0, std::memcmp(&across_a, &across_b, sizeof across_a)) << "radius " << radius;
       ASSERT_EQ(across_a.gxw, sa.gxw);
-      auto inner_a = std::make_unique<PatchInner>(), inner_b = std::make_unique<PatchInner>();
-      reference.patch_inner(grid, a, *inner_a);
-      kernel.patch_inner(grid, a, *inner_b);
+      ASSERT_EQ(across_a.tw, sa.tw);
+      // On whole pixels, to the right of them, below them, and between.
+      const float right = trial % 4 == 0 || trial % 4 == 2 ? 0.0F : p.x - std::floor(p.x);
+      const float down = trial % 4 < 2 ? 0.0F : p.y - std::floor(p.y);
+      const auto inner_a = std::make_unique<PatchInner>(), inner_b = std::make_unique<PatchInner>();
+      reference.patch_cut(grid, corner, image.cview().stride, right, down, *inner_a);
+      kernel.patch_cut(grid, corner, image.cview().stride, right, down, *inner_b);
       ASSERT_EQ(0, std::memcmp(inner_a.get(), inner_b.get(), sizeof *inner_a)) << "radius " << radius;
-      EXPECT_GT(sa.gxx, 0.0F);
-      const PatchPlace whole{30.0F, 31.0F, 1.0F, 0.0F, 0.0F, 1.0F};
-      reference.patch_sample(grid, image.cview().data, image.cview().stride, whole, 0, grid.side, 0.0F, a);
-      const std::uint8_t* const corner = image.cview().row(30 - radius) + 29 - radius;
-      kernel.patch_copy(grid, corner, image.cview().stride, b);
-      ASSERT_EQ(0, std::memcmp(a, b, sizeof(float) * static_cast<std::size_t>(grid.side * grid.side)));
-      const float right = p.x - std::floor(p.x);
-      const float down = p.y - std::floor(p.y);
-      reference.patch_shift(grid, corner, image.cview().stride, right, down, a);
-      kernel.patch_shift(grid, corner, image.cview().stride, right, down, b);
-      ASSERT_EQ(0, std::memcmp(a, b, sizeof(float) * static_cast<std::size_t>(grid.side * grid.side)));
-      const PatchPlace shifted{30.0F + right, 31.0F + down, 1.0F, 0.0F, 0.0F, 1.0F};
-      reference.patch_sample(grid, image.cview().data, image.cview().stride, shifted, 0, grid.side, 0.0F, a);
-      for (int i = 0; i < grid.side * grid.side; ++i) ASSERT_NEAR(a[i], b[i], 0.01F);  // coordinates are rounded
+      // Where it was cut from, the image is the template.
+      PatchSums own{};
+      const PatchPlace there{30.0F + right, 31.0F + down, 1.0F, 0.0F, 0.0F, 1.0F};
+      reference.patch_sums(grid, image.cview().data, image.cview().stride, there, *inner_a, own);
+      EXPECT_NEAR(own.tw, inner_a->tt, 1e-4F * inner_a->tt);
+      EXPECT_NEAR(own.ww, inner_a->tt, 1e-4F * inner_a->tt);
+      EXPECT_NEAR(own.w, 0.0F, 1.0F);
     }
   }
 }
