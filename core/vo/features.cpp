@@ -2,6 +2,7 @@
 #include "core/vo/features.h"
 
 #include <algorithm>
+#include <functional>
 
 #include "core/vo/kernels/kernels.h"
 
@@ -10,6 +11,7 @@ namespace cliquevo::vo {
 namespace {
 
 constexpr std::size_t kInOrder = 4;  // corners of a cell that are put in order at a time
+constexpr std::uint64_t kPlaces = std::uint64_t{1} << 32;  // a corner is told by its score and its place in reading order
 
 }  // namespace
 
@@ -22,6 +24,7 @@ FeatureDetector::FeatureDetector(const StereoModel& model, const VoParams& param
   const int across = (model.width + params.cell_px - 1) / params.cell_px;
   const int down = (model.height + params.cell_px - 1) / params.cell_px;
   cells_.resize(static_cast<std::size_t>(across) * down);
+  for (int x = 0; x < model.width; ++x) cell_across_.push_back(static_cast<std::uint16_t>(x / params.cell_px));
   for (Cell& cell : cells_) {
     cell.corners.reserve(static_cast<std::size_t>((params.cell_px + 1) / 2) *
                          static_cast<std::size_t>((params.cell_px + 1) / 2));
@@ -107,15 +110,15 @@ void FeatureDetector::spread(ImageView<const std::int16_t> disparity, int thresh
     cell.in_order = 0;
   }
   const int across = (model_.width + params_.cell_px - 1) / params_.cell_px;
-  for (const Corner& c : corners_) {
+  Cell* row = cells_.data();
+  int below = params_.cell_px;  // where the next row of cells begins
+  for (std::size_t i = 0; i < corners_.size(); ++i) {
+    const Corner& c = corners_[i];
     if (c.score < threshold) continue;
-    cells_[static_cast<std::size_t>(c.y / params_.cell_px) * static_cast<std::size_t>(across) +
-           static_cast<std::size_t>(c.x / params_.cell_px)]
-        .corners.push_back(c);
+    for (; c.y >= below; below += params_.cell_px) row += across;
+    row[cell_across_[static_cast<std::size_t>(c.x)]].corners.push_back(static_cast<std::uint64_t>(c.score) * kPlaces +
+                                                                       (kPlaces - 1 - i));
   }
-  const auto better = [](const Corner& a, const Corner& b) {
-    return a.score != b.score ? a.score > b.score : (a.y != b.y ? a.y < b.y : a.x < b.x);
-  };
   features.clear();
   bool any = true;
   for (std::size_t rank = 0; any; ++rank) {
@@ -128,9 +131,9 @@ void FeatureDetector::spread(ImageView<const std::int16_t> disparity, int thresh
         const auto from = cell.corners.begin() + static_cast<std::ptrdiff_t>(cell.in_order);
         cell.in_order = std::min(cell.in_order + kInOrder, cell.corners.size());
         std::partial_sort(from, cell.corners.begin() + static_cast<std::ptrdiff_t>(cell.in_order), cell.corners.end(),
-                          better);
+                          std::greater<>());
       }
-      const Corner& best = cell.corners[rank];
+      const Corner& best = corners_[kPlaces - 1 - cell.corners[rank] % kPlaces];
       Feature f;
       f.x = best.x;
       f.y = best.y;

@@ -43,7 +43,7 @@ class FeatureDetector {
     std::int16_t x, y, score;
   };
   struct Cell {
-    std::vector<Corner> corners;  // the best first, as far as they are in order
+    std::vector<std::uint64_t> corners;  // score, then nearness to the first; the best first, as far as in order
     std::size_t in_order = 0;
   };
   void find_corners(ImageView<const std::uint8_t> image, int threshold);
@@ -60,6 +60,7 @@ class FeatureDetector {
   std::array<int, 256> usable_{};      // corners of each score or a higher one
   int likely_threshold_;               // the last picture's; only the time it takes depends on it
   std::vector<Cell> cells_;
+  std::vector<std::uint16_t> cell_across_;  // of each column
 };
 
 }  // namespace cliquevo::vo
