@@ -82,9 +82,11 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, const
   if (out.clique >= params_.min_inliers && align_points(pairs_, clique_, T_ref_cur)) {
     observe(reference, current, clique_);
     // Where the motion is refined afterwards, a start is all that is needed.
-    const auto solve = params_.refine ? &MotionSolver::solve : &MotionSolver::solve_tightening;
-    out.motion = (solver_.*solve)(observations_, references_, T_ref_cur, params_.match_sigma_px,
-                                  params_.match_disparity_sigma_px);
+    out.motion = params_.refine
+                     ? solver_.solve(observations_, references_, T_ref_cur, params_.match_sigma_px,
+                                     params_.match_disparity_sigma_px, Precision::rough)
+                     : solver_.solve_tightening(observations_, references_, T_ref_cur, params_.match_sigma_px,
+                                                params_.match_disparity_sigma_px);
     // Far false matches are compatible with nearly everything and can pull the closed form away: then the motion is
     // looked for from the predicted one and from rest, and what most members agree on is taken.
     for (const RigidTransform& start : {predicted, RigidTransform{}}) {
@@ -141,8 +143,8 @@ void Estimator::refine(const Frame& reference, const Frame* key, const Frame& cu
   references_.assign(1, RigidTransform{});
   // The first features, which are spread over the picture, tell where to look for the others.
   tracker_.track(reference, current, out.motion.T_prev_cur, 0, 0, kPilots, check, observations_);
-  const Motion pilot =
-      solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px, params_.disparity_sigma_px);
+  const Motion pilot = solver_.solve(observations_, references_, out.motion.T_prev_cur, params_.sigma_px,
+                                     params_.disparity_sigma_px, Precision::rough);
   if (pilot.converged && pilot.inliers >= kLeastPilots) out.motion = pilot;
   for (Observation& o : observations_) o.inlier = true;
   constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();

@@ -17,6 +17,7 @@ constexpr double kMinDepth = 1e-3;
 // deviation. So does one of three hundredths that turns out to gain nothing: weights change with the motion, so that
 // the least cost need not lie exactly where the normal equations have it.
 constexpr double kSmallGain = 1e-5;
+constexpr double kSmallGainRough = 1e-2;  // a tenth of a standard deviation
 constexpr double kSmallLoss = 1e-3;
 constexpr double kDamped = 1e-3;  // share of the diagonal from which on damping changes a step at all
 // Beside a kept reference: where the previous frame was is known no better than what is looked for, and its error is in
@@ -158,7 +159,9 @@ Vector6d vector_of(const double (&v)[6]) { return Eigen::Map<const Vector6d>(v);
 
 }  // namespace
 
-void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, RigidTransform& T, MotionSums& sums) const {
+void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Precision precision, RigidTransform& T,
+                            MotionSums& sums) const {
+  const double small_gain = precision == Precision::full ? kSmallGain : kSmallGainRough;
   accumulate(T_prev_ref, T, sums);
   double lambda = 1e-6;
   bool at_T = true;  // each observation's error is that of T
@@ -167,7 +170,7 @@ void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Rigid
     H.diagonal() *= 1.0 + lambda;
     const Vector6d step = H.ldlt().solve(vector_of(sums.g));
     const double gain = step.dot(vector_of(sums.g));
-    if (!step.allFinite() || gain < kSmallGain) break;
+    if (!step.allFinite() || gain < small_gain) break;
     RigidTransform candidate;  // the step perturbs T on the right
     const Eigen::Matrix3d dR = so3_exp(step.tail<3>());
     candidate.R = T.R * dR;
@@ -180,7 +183,7 @@ void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Rigid
       sums = next;
       lambda = std::max(1e-9, lambda * 0.1);
     } else {
-      if (gain < kSmallLoss) break;
+      if (gain < std::max(small_gain, kSmallLoss)) break;
       lambda = std::max(kDamped, lambda * 10.0);
       if (lambda > 1e6) break;
     }
@@ -222,7 +225,7 @@ void MotionSolver::judge(std::vector<Observation>& observations, const std::vect
 }
 
 Motion MotionSolver::solve(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
-                           const RigidTransform& start, double sigma_px, double sigma_d_px) {
+                           const RigidTransform& start, double sigma_px, double sigma_d_px, Precision precision) {
   Motion out;
   RigidTransform T = start;
   MotionSums sums{};
@@ -232,14 +235,14 @@ Motion MotionSolver::solve(std::vector<Observation>& observations, const std::ve
   const double trim2 = params_.trim_sigmas * params_.trim_sigmas;
   const double* squared = storage_.data() + static_cast<std::size_t>(kSquared) * capacity_;
   double* active = storage_.data() + static_cast<std::size_t>(kActive) * capacity_;
-  minimise(T_prev_ref, T, sums);
+  minimise(T_prev_ref, precision, T, sums);
   bool trimmed = false;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const double keep = squared[place(i)] <= trim2 ? 1.0 : 0.0;
     trimmed = trimmed || keep != active[place(i)];
     active[place(i)] = keep;
   }
-  if (trimmed) minimise(T_prev_ref, T, sums);
+  if (trimmed) minimise(T_prev_ref, precision, T, sums);
   double sum = 0.0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     Observation& o = observations[i];

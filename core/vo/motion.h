@@ -48,6 +48,9 @@ struct Motion {
   Vector6d offset_sensitivity = Vector6d::Zero();
 };
 
+// How well a minimum is worth knowing: rough is to a tenth of its own standard deviation.
+enum class Precision { full, rough };
+
 class MotionSolver {
  public:
   MotionSolver(const StereoModel& model, const VoParams& params);
@@ -57,7 +60,7 @@ class MotionSolver {
   // the previous camera's frame; observations come grouped by reference. The first is the previous frame itself; beside
   // others it counts for a quarter. Inlier flags and errors are written back.
   Motion solve(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
-               const RigidTransform& start, double sigma_px, double sigma_d_px);
+               const RigidTransform& start, double sigma_px, double sigma_d_px, Precision precision = Precision::full);
 
   // The same for observations of unknown, mostly much smaller noise: where the residuals show that, the solution is
   // repeated with the sigmas they show, so that a false match that comes close by chance is dropped.
@@ -71,7 +74,8 @@ class MotionSolver {
  private:
   void load(const std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref);
   void accumulate(const std::vector<RigidTransform>& T_prev_ref, const RigidTransform& T, MotionSums& sums) const;
-  void minimise(const std::vector<RigidTransform>& T_prev_ref, RigidTransform& T, MotionSums& sums) const;
+  void minimise(const std::vector<RigidTransform>& T_prev_ref, Precision precision, RigidTransform& T,
+                MotionSums& sums) const;
   // Where observation i is in the padded arrays.
   std::size_t place(std::size_t i) const { return place_[i]; }
 
