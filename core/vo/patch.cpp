@@ -74,7 +74,9 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
   const float start_x = x;
   const float start_y = y;
   const float tt = reference.inner.tt;
+  const float per_n = 1.0F / n;
   if (!(tt > n)) return fit;                          // no contrast at all
+  const float per_tt = 1.0F / tt;
   const float max_shift2 = static_cast<float>(params.max_shift_px * params.max_shift_px);
   for (int iteration = 0; iteration < params.iterations; ++iteration) {
     const PatchPlace place{x, y, warp.xx, warp.xy, warp.yx, warp.yy};
@@ -85,15 +87,15 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     const auto sums = freedom == Freedom::both ? k.patch_sums : k.patch_sums_across;
     sums(grid, image.data, image.stride, place, reference.inner, s);
     // Take out the bias (means), then the gain.
-    const float ww = s.ww - s.w * s.w / n;
-    const float gain = s.tw / tt;
+    const float ww = s.ww - s.w * s.w * per_n;
+    const float gain = s.tw * per_tt;
     fit.correlation = ww > 0.0F ? s.tw / std::sqrt(tt * ww) : 0.0F;
     if (!(gain > 0.3F && gain < 3.0F)) return fit;
-    const float gxx = s.gxx - s.gx * s.gx / n - s.gxt * s.gxt / tt;
-    const float gxy = s.gxy - s.gx * s.gy / n - s.gxt * s.gyt / tt;
-    const float gyy = s.gyy - s.gy * s.gy / n - s.gyt * s.gyt / tt;
-    const float gxw = s.gxw - s.gx * s.w / n - s.gxt * gain;
-    const float gyw = s.gyw - s.gy * s.w / n - s.gyt * gain;
+    const float gxx = s.gxx - s.gx * s.gx * per_n - s.gxt * s.gxt * per_tt;
+    const float gxy = s.gxy - s.gx * s.gy * per_n - s.gxt * s.gyt * per_tt;
+    const float gyy = s.gyy - s.gy * s.gy * per_n - s.gyt * s.gyt * per_tt;
+    const float gxw = s.gxw - s.gx * s.w * per_n - s.gxt * gain;
+    const float gyw = s.gyw - s.gy * s.w * per_n - s.gyt * gain;
     const float sse = ww - s.tw * gain;
     float sx = 0.0F;
     float sy = 0.0F;
@@ -105,8 +107,9 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
       const float trace = gxx + gyy;
       // smaller eigenvalue of the gradient matrix, from below: determinant / trace
       if (!(determinant > kMinGradient * n * trace)) return fit;
-      sx = -(gyy * gxw - gxy * gyw) / determinant;
-      sy = -(gxx * gyw - gxy * gxw) / determinant;
+      const float per_determinant = 1.0F / determinant;
+      sx = (gxy * gyw - gyy * gxw) * per_determinant;
+      sy = (gxy * gxw - gxx * gyw) * per_determinant;
     }
     const float sse_there = std::max(0.0F, sse + sx * gxw + sy * gyw);  // where the step leads, as far as it is linear
     sx *= kStepLength;
@@ -116,9 +119,9 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     if (freedom == Freedom::row_only) y = start_y;
     const float shift2 = (x - start_x) * (x - start_x) + (y - start_y) * (y - start_y);
     if (!(shift2 <= max_shift2)) return fit;
-    fit.residual = std::sqrt(std::max(0.0F, sse) / n);
+    fit.residual = std::sqrt(std::max(0.0F, sse) * per_n);
     if (sx * sx + sy * sy < kConverged * kConverged) {
-      fit.brighter = s.w / n;
+      fit.brighter = s.w * per_n;
       fit.correlation = std::sqrt(std::max(0.0F, 1.0F - sse_there / ww));
       fit.ok = fit.residual <= static_cast<float>(params.max_residual);
       break;
