@@ -76,17 +76,17 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, const
   }
   clique_finder_.find(pairs_, clique_);
   out.clique = static_cast<int>(clique_.size());
-  times.clique_ns += monotonic_ns() - clique_start_ns;
+  const std::int64_t motion_start_ns = monotonic_ns();
+  times.clique_ns += motion_start_ns - clique_start_ns;
   references_.assign(1, RigidTransform{});
   RigidTransform T_ref_cur;
   if (out.clique >= params_.min_inliers && align_points(pairs_, clique_, T_ref_cur)) {
     observe(reference, current, clique_);
     // Where the motion is refined afterwards, a start is all that is needed.
-    out.motion = params_.refine
-                     ? solver_.solve(observations_, references_, T_ref_cur, params_.match_sigma_px,
-                                     params_.match_disparity_sigma_px, Precision::rough)
-                     : solver_.solve_tightening(observations_, references_, T_ref_cur, params_.match_sigma_px,
-                                                params_.match_disparity_sigma_px);
+    out.motion = params_.refine ? solver_.solve(observations_, references_, T_ref_cur, params_.match_sigma_px,
+                                                params_.match_disparity_sigma_px, Precision::rough)
+                                : solver_.solve_tightening(observations_, references_, T_ref_cur,
+                                                           params_.match_sigma_px, params_.match_disparity_sigma_px);
     // Far false matches are compatible with nearly everything and can pull the closed form away: then the motion is
     // looked for from the predicted one and from rest, and what most members agree on is taken.
     for (const RigidTransform& start : {predicted, RigidTransform{}}) {
@@ -102,6 +102,7 @@ bool Estimator::first_motion(const Frame& reference, const Frame& current, const
     if (found() || !params_.refine || out.matches < params_.min_inliers) break;
     out.motion = guided_motion(reference, current, start);
   }
+  times.motion_ns += monotonic_ns() - motion_start_ns;
   return found();
 }
 

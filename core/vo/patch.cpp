@@ -75,7 +75,7 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
   const float start_y = y;
   const float tt = reference.inner.tt;
   const float per_n = 1.0F / n;
-  if (!(tt > n)) return fit;                          // no contrast at all
+  if (!(tt > n)) return fit;  // no contrast at all
   const float per_tt = 1.0F / tt;
   const float max_shift2 = static_cast<float>(params.max_shift_px * params.max_shift_px);
   for (int iteration = 0; iteration < params.iterations; ++iteration) {

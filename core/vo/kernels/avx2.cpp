@@ -171,14 +171,8 @@ void patch_cut(const PatchGrid& grid, const std::uint8_t* image, std::ptrdiff_t 
 
 }  // namespace
 
-const Kernels kAvx2Kernels = {fast_row_of<Avx2Bytes>,
-                              maxima_row_of<Avx2Bytes>,
-                              sad_row_of<Avx2Bytes>,
-                              row_minimum_of<Avx2Bytes>,
-                              graph_row_of<VectorFloats>,
-                              patch_cut,
-                              patch_sums<true>,
-                              patch_sums<false>,
-                              motion_sums_of<VectorPack>};
+const Kernels kAvx2Kernels = {fast_row_of<Avx2Bytes>,    maxima_row_of<Avx2Bytes>,   sad_row_of<Avx2Bytes>,
+                              row_minimum_of<Avx2Bytes>, graph_row_of<VectorFloats>, patch_cut,
+                              patch_sums<true>,          patch_sums<false>,          motion_sums_of<VectorPack>};
 
 }  // namespace cliquevo::vo
