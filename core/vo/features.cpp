@@ -11,8 +11,8 @@ namespace cliquevo::vo {
 namespace {
 
 constexpr std::size_t kInOrder = 2;  // corners of a cell that are put in order at a time
-constexpr std::uint64_t kPlaces = std::uint64_t{1}
-                                  << 32;  // a corner is told by its score and its place in reading order
+// A corner is told by its score times this, plus how far it is from the last place in reading order.
+constexpr auto kPlaces = std::uint64_t{1} << 32;
 
 }  // namespace
 
