@@ -228,6 +228,12 @@ struct Known {
   }
 };
 
+// Bounds in pixels and grey levels, which only suited some cameras.
+bool retired(const std::string& key) {
+  return key == "odometry.refine_max_residual" || key == "odometry.max_reprojection_error_px" ||
+         key == "odometry.max_unsteadiness_px";
+}
+
 Result<void> collect(const YAML::Node& map, const std::string& section, const Known& known, const std::string& path,
                      std::map<std::string, Entry>& entries) {
   std::set<std::string> seen;
@@ -240,6 +246,10 @@ Result<void> collect(const YAML::Node& map, const std::string& section, const Kn
     if (known.keys.contains(full)) {
       entries[full] = {item.second, item.first.Mark().line + 1};
     } else if (!known.sections.contains(full)) {
+      if (retired(full)) {
+        return Error{fmt::format("'{}' is no longer a key", full), where,
+                     "remove it: bounds follow the camera's measured noise now"};
+      }
       return Error{fmt::format("unknown key '{}'", full), where, known.suggestion(section, name)};
     } else if (item.second.IsMap()) {
       if (auto inner = collect(item.second, full, known, path, entries); !inner) return inner;

@@ -128,7 +128,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("odometry.refine", odometry.refine);
   v.key("odometry.refine_radius_px", odometry.refine_radius_px);
   v.key("odometry.refine_iterations", odometry.refine_iterations);
-  v.key("odometry.refine_max_residual", odometry.refine_max_residual);
+  v.key("odometry.min_patch_correlation", odometry.min_patch_correlation);
   v.key("odometry.sigma_px", odometry.sigma_px);
   v.key("odometry.disparity_sigma_px", odometry.disparity_sigma_px);
   v.key("odometry.use_key_frame", odometry.use_key_frame);
@@ -139,10 +139,11 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("odometry.trim_sigmas", odometry.trim_sigmas);
   v.key("odometry.min_inliers", odometry.min_inliers);
   v.key("odometry.min_eigenvalue_ratio", odometry.min_eigenvalue_ratio);
-  v.key("odometry.max_reprojection_error_px", odometry.max_reprojection_error_px);
+  v.key("odometry.max_error_ratio", odometry.max_error_ratio);
   v.key("odometry.rival_share", odometry.rival_share);
   v.key("odometry.max_contradiction", odometry.max_contradiction);
-  v.key("odometry.max_unsteadiness_px", odometry.max_unsteadiness_px);
+  v.key("odometry.max_running_ground", odometry.max_running_ground);
+  v.key("odometry.max_uncertainty", odometry.max_uncertainty);
   v.key("odometry.min_mover_points", odometry.min_mover_points);
   v.choice("odometry.after_failure", odometry.after_failure,
            {{"hold", vo::AfterFailure::hold}, {"constant_velocity", vo::AfterFailure::constant_velocity}});

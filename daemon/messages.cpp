@@ -81,7 +81,8 @@ void MessageBuilder::build_delta(const vo::Estimate& e, bool finite, update_t& o
   put(T.R, out.rotation);
   put(sendable(e.covariance), out.covariance);
   // Readers of this type know 0 to 4 only.
-  const bool degenerate = e.status == vo::Status::ambiguous || (e.status == vo::Status::valid && !finite);
+  const bool degenerate =
+      e.status == vo::Status::ambiguous || e.status == vo::Status::weak || (e.status == vo::Status::valid && !finite);
   out.estimate_status = degenerate ? update_t::ESTIMATE_DEGENERATE : static_cast<std::int8_t>(e.status);
 }
 
@@ -132,6 +133,22 @@ void MessageBuilder::build_pose(const PublishedFrame& frame, bool finite, pose_t
   last_ = now;
 }
 
+void MessageBuilder::build_checks(const vo::Estimate& e, status_t& out) {
+  constexpr double kMostRatio = 1e9;
+  const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
+  out.quality = static_cast<std::int8_t>(e.quality);
+  out.n_checks = static_cast<std::int32_t>(vo::kChecks);
+  out.check_ratio.resize(vo::kChecks);  // the first time only
+  for (std::size_t k = 0; k < vo::kChecks; ++k) {
+    const double ratio = e.checks[static_cast<vo::Check>(k)].ratio();
+    out.check_ratio[k] = std::isnan(ratio) ? kMostRatio : std::clamp(ratio, 0.0, kMostRatio);
+  }
+  out.checks_failed = static_cast<std::int32_t>(e.checks.failed());
+  out.expected_error_px = finite(e.expected_error_px);
+  out.disparity_shift_px = finite(e.disparity_shift_px);
+  out.disparity_shift_sigma_px = finite(e.disparity_shift_sigma_px);
+}
+
 void MessageBuilder::build_status(const PublishedFrame& frame, TimestampNs publish_ns, status_t& out) const {
   const vo::Estimate& e = frame.estimate;
   out.utime = floor_us(e.stamp_ns);
@@ -144,6 +161,7 @@ void MessageBuilder::build_status(const PublishedFrame& frame, TimestampNs publi
   out.inliers = e.inliers;
   out.reprojection_error_px = std::isfinite(e.reprojection_error_px) ? e.reprojection_error_px : 0.0;
   out.eigenvalue_ratio = std::isfinite(e.eigenvalue_ratio) ? e.eigenvalue_ratio : 0.0;
+  build_checks(e, out);
   out.rectify_us = duration_us(frame.times.rectify_ns);
   out.stereo_us = duration_us(frame.times.stereo_ns);
   out.odometry_us = duration_us(frame.times.odometry_ns);

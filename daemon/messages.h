@@ -54,6 +54,7 @@ class MessageBuilder {
   // The camera's delta as the body's, its covariance turned with it.
   void build_delta_body(const vo::Estimate& estimate, const update_t& delta, update_t& out) const;
   void build_pose(const PublishedFrame& frame, bool finite, pose_t& out);
+  static void build_checks(const vo::Estimate& estimate, status_t& out);
   void build_status(const PublishedFrame& frame, TimestampNs publish_ns, status_t& out) const;
 
   struct SentPose {

@@ -67,6 +67,30 @@ json pose_json(const RigidTransform& T) {
   return {{"translation_m", three(T.t)}, {"rotation_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
 }
 
+// What was found and what was allowed, of each check that applied; and those that failed.
+json checks_json(const vo::Checks& checks) {
+  json out = json::object();
+  for (std::size_t k = 0; k < vo::kChecks; ++k) {
+    const auto check = static_cast<vo::Check>(k);
+    const vo::Evidence& e = checks[check];
+    if (!e.applies) continue;
+    out[vo::check_name(check)] = {{"value", e.value}, {"bound", e.bound}, {"failed", e.fails()}};
+  }
+  return out;
+}
+
+// How many frames failed each check.
+std::vector<std::pair<const char*, int>> count_reasons(const std::vector<FrameRecord>& frames) {
+  std::vector<std::pair<const char*, int>> out;
+  for (std::size_t k = 0; k < vo::kChecks; ++k) {
+    const auto check = static_cast<vo::Check>(k);
+    const auto count = std::count_if(frames.begin(), frames.end(),
+                                     [check](const FrameRecord& f) { return f.estimate.checks[check].fails(); });
+    if (count > 0) out.emplace_back(vo::check_name(check), static_cast<int>(count));
+  }
+  return out;
+}
+
 json frame_json(const FrameRecord& frame) {
   const vo::Estimate& e = frame.estimate;
   json times = json::object();
@@ -84,8 +108,10 @@ json frame_json(const FrameRecord& frame) {
               {"inliers", e.inliers},
               {"reprojection_error_px", e.reprojection_error_px},
               {"eigenvalue_ratio", e.eigenvalue_ratio},
-              {"contradiction", e.contradiction},
-              {"unsteadiness_px", e.unsteadiness_px},
+              {"quality", e.quality},
+              {"checks", checks_json(e.checks)},
+              {"expected_error_px", e.expected_error_px},
+              {"disparity_shift_px", e.disparity_shift_px},
               {"T_prev_cur", pose_json(e.T_prev_cur)},
               {"T_world_camera", pose_json(e.T_world_camera)},
               {"times_ms", std::move(times)}};
@@ -181,8 +207,17 @@ std::string RunLog::summary(double wall_s, const std::optional<RunReference>& re
     out += fmt::format("{}{} {}", separator, count, first ? "first" : vo::status_name(status));
     separator = ", ";
   }
+  separator = "\nreasons      ";
+  for (const auto& [name, count] : count_reasons(frames_)) {
+    out += fmt::format("{}{} x {}", separator, count, name);
+    separator = ", ";
+  }
   const auto inliers = of_valid(frames_, [](const vo::Estimate& e) { return static_cast<double>(e.inliers); });
   if (!inliers.empty()) {
+    const auto quality = spread_of(of_valid(frames_, [](const vo::Estimate& e) { return 1.0 * e.quality; }));
+    const auto worst = of_valid(frames_, [](const vo::Estimate& e) { return 1.0 * e.quality; });
+    out += fmt::format("\nquality      median {:.0f}, least {:.0f} of 100", quality.median,
+                       *std::min_element(worst.begin(), worst.end()));
     const auto error = spread_of(of_valid(frames_, [](const vo::Estimate& e) { return e.reprojection_error_px; }));
     out += fmt::format(
         "\ninliers      median {:.0f}, least {:.0f}; reprojection error median {:.3f} px, most {:.3f} px",
@@ -206,6 +241,8 @@ std::string RunLog::stats_json(const drivers::SourceInfo& source, const StereoMo
                                const std::optional<RunReference>& reference) const {
   json verdicts = json::object();
   for (const auto& [status, count] : count_verdicts(frames_)) verdicts[vo::status_name(status)] = count;
+  json reasons = json::object();
+  for (const auto& [name, count] : count_reasons(frames_)) reasons[name] = count;
   json times = json::object();
   for (const Stage& stage : kStages) {
     const Spread s = spread_of(times_ms(frames_, stage));
@@ -225,6 +262,7 @@ std::string RunLog::stats_json(const drivers::SourceInfo& source, const StereoMo
                 {"distance_m", distance_m_},
                 {"wall_s", wall_s},
                 {"verdicts", std::move(verdicts)},
+                {"reasons", std::move(reasons)},
                 {"times_ms", std::move(times)}}},
               {"frames", json::array()}};
   if (reference && reference->pairs.size() >= 2) out["reference"] = reference_json(*reference);

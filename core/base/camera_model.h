@@ -40,6 +40,10 @@ struct StereoModel {
     const double z = depth_m(disparity_px);
     return {(u - cx_px) * z / fx_px, (v - cy_px) * z / fy_px, z};
   }
+  // (u, v, disparity) in px of a point in the left camera frame, z > 0.
+  Eigen::Vector3d project(const Eigen::Vector3d& p) const {
+    return {fx_px * p.x() / p.z() + cx_px, fy_px * p.y() / p.z() + cy_px, fx_px * baseline_m / p.z() - doffs_px};
+  }
 };
 
 enum class Distortion {

@@ -5,59 +5,78 @@
 #include <span>
 #include <vector>
 
+#include "core/vo/caution.h"
+#include "core/vo/checks.h"
 #include "core/vo/clique.h"
 #include "core/vo/frame.h"
 #include "core/vo/matches.h"
 #include "core/vo/motion.h"
+#include "core/vo/noise.h"
 #include "core/vo/other_motions.h"
+#include "core/vo/step_times.h"
 #include "core/vo/support.h"
 #include "core/vo/tracking.h"
-#include "core/vo/visual_odometry.h"
+#include "core/vo/verdict.h"
 
 namespace cliquevo::vo {
 
 // What comparing two frames gave.
 struct Comparison {
   Status status = Status::too_few_features;
-  Motion motion;  // T_prev_cur: current camera in the reference's frame
+  Checks checks;
+  Motion motion;         // T_prev_cur: current camera in the reference's frame; its covariance is that of uncertainty.h
+  bool started = false;  // a first motion was there to be refined
   int matches = 0;
   int clique = 0;
-  double eigenvalue_ratio = 0.0;
-  double contradiction = 0.0;    // share of the picture's cells that moved otherwise (core/vo/support.h)
-  double unsteadiness_px = 0.0;  // see excess_change()
-  bool contradicted = false;     // by too much of the picture, whoever is wary or not
-  bool unsteady = false;         // refused for the latter
-  double key_overlap = 1.0;      // share of the key frame's features that were found again
+  double eigenvalue_ratio = 0.0;  // spread of the inliers in the image
+  double key_overlap = 1.0;       // share of the key frame's features that were found again
+};
+
+// Two frames to compare, and what is known beforehand.
+struct FramePair {
+  const Frame& reference;
+  const Frame* key;  // an older frame that joins the solution; may be null or the reference
+  const Frame& current;
+  ImageView<const std::int16_t> disparity;      // of the current frame
+  std::span<const RigidTransform> predictions;  // of the motion; the first is the likeliest
+  const SelfCheck& check;
+  const CameraNoise& noise;
+  const Caution& caution;
 };
 
 class Estimator {
  public:
   Estimator(const StereoModel& model, const VoParams& params);
 
-  // Motion of `current` against `reference`; the first of `predicted` is tried as a start where the closed form's is
-  // poor, and all of them where the matches give none; `key`
-  // (may be null or equal to reference) is an older frame that joins the solution once the clique has given a first
-  // one. wary: a frame shortly before was doubtful, so this one must be the clearer. Step times are added to
-  // `times`.
-  Comparison compare(const Frame& reference, const Frame* key, const Frame& current,
-                     ImageView<const std::int16_t> disparity, std::span<const RigidTransform> predicted,
-                     const SelfCheck& check, bool wary, StepTimes& times);
+  // Motion of the current frame against the reference. Step times are added to `times`.
+  Comparison compare(const FramePair& pair, StepTimes& times);
 
   // Motions beside the one that the last compare() found, the world's if it is valid.
   const OtherMotions& others() const { return others_; }
 
-  // Once for a new frame, after its features: what else of it may bear witness.
+  // Once for a new frame, after its features: what else of it may be compared.
   void prepare(ImageView<const std::int16_t> disparity, Frame& frame) { support_.choose_witnesses(disparity, frame); }
 
  private:
-  bool first_motion(const Frame& reference, const Frame& current, const RigidTransform& predicted, Comparison& out,
-                    StepTimes& times);
-  Motion guided_motion(const Frame& reference, const Frame& current, const RigidTransform& start);
-  void refine(const Frame& reference, const Frame* key, const Frame& current, const SelfCheck& check, Comparison& out);
-  void settle(const Frame& reference, const Frame* key, const Frame& current, const SelfCheck& check, Comparison& out,
-              double& disparity_px);
-  bool rivalled(int explained) const;
-  void observe(const Frame& reference, const Frame& current, const std::vector<int>& members);
+  // From where a motion is looked for, in this order (core/vo/estimator.cpp).
+  struct Start {
+    const Descriptors& (*descriptors)(const Frame&);
+    PatchSize patches;
+  };
+  void first_motion(const FramePair& pair, const Start& start, Comparison& out, StepTimes& times);
+  bool clique_motion(const FramePair& pair, Comparison& out);
+  bool guided_motion(const FramePair& pair, const RigidTransform& start, Comparison& out);
+  void predicted_motion(const FramePair& pair, Comparison& best);
+  void settle_and_judge(const FramePair& pair, PatchSize patches, Comparison& out);
+  void match(const FramePair& pair, const Start& start, Comparison& out, StepTimes& times);
+  bool settle(const FramePair& pair, PatchSize patches, Comparison& out);
+  void refine(const FramePair& pair, PatchSize patches, Comparison& out);
+  void judge(const FramePair& pair, Comparison& out);
+  Evidence check_rival(int explained) const;
+  Findings findings(const FramePair& pair, const Comparison& out) const;
+  void observe(const FramePair& pair, const std::vector<int>& members);
+  Sigmas match_sigmas(double looser) const;
+  Sigmas refined_sigmas() const;
 
   StereoModel model_;
   VoParams params_;
@@ -73,7 +92,9 @@ class Estimator {
   std::vector<int> clique_;
   std::vector<Observation> observations_;
   std::vector<RigidTransform> references_;
-  std::vector<float> changes_;
+  std::vector<float> scratch_;
+  double shift_sigma_px_ = 0.0;  // of the frame's common disparity error, as far as known
+  double covered_ = 1.0;
 };
 
 }  // namespace cliquevo::vo

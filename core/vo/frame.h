@@ -13,17 +13,24 @@
 namespace cliquevo::vo {
 
 struct Frame {
-  explicit Frame(const VoParams& params) : descriptors(params.max_features) {
+  explicit Frame(const VoParams& params) : descriptors(params.max_features), coarse_descriptors(params.max_features) {
     features.reserve(static_cast<std::size_t>(params.max_features));
   }
 
   TimestampNs stamp_ns = 0;
   RigidTransform T_world_camera;
+  // Between the left and the right image: how much lower the right one is than the calibration has it, and how patches
+  // scatter about that, px; 0 where too few were found. And their difference, grey levels.
+  double row_shift_px = 0.0;
+  double row_scatter_px = 0.0;
+  double grey_scatter = 0.0;
+  double shift_px = 0.0;  // by which all its disparities were found too large, beside the calibration's error
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
   std::vector<Feature> features;
   std::vector<Feature> witnesses;  // of the cells without a feature (core/vo/support.h); no points, no descriptors
   Descriptors descriptors;
+  Descriptors coarse_descriptors;  // of half the resolution, for blurred and small pictures
 };
 
 }  // namespace cliquevo::vo

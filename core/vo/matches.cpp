@@ -55,6 +55,26 @@ void Descriptors::extract(ImageView<const std::uint8_t> filtered, const std::vec
   }
 }
 
+void Descriptors::extract_coarse(ImageView<const std::uint8_t> filtered, const std::vector<Feature>& features) {
+  constexpr int kRadius = 3;
+  static_assert(kFeatureMargin >= 2 * kRadius + 1);
+  count_ = static_cast<int>(features.size());
+  length_ = (2 * kRadius + 1) * (2 * kRadius + 1) - 1;
+  for (int i = 0; i < count_; ++i) {
+    const Feature& f = features[static_cast<std::size_t>(i)];
+    std::uint8_t* out = bytes_.view().row(i);
+    for (int dy = -kRadius; dy <= kRadius; ++dy) {
+      const std::uint8_t* above = filtered.row(f.y + 2 * dy);
+      const std::uint8_t* below = filtered.row(f.y + 2 * dy + 1);
+      for (int dx = -kRadius; dx <= kRadius; ++dx) {
+        if (dx == 0 && dy == 0) continue;
+        const int x = f.x + 2 * dx;
+        *out++ = static_cast<std::uint8_t>((above[x] + above[x + 1] + below[x] + below[x + 1] + 2) / 4);
+      }
+    }
+  }
+}
+
 Matcher::Matcher(int max_features) : scores_(max_features, max_features) {
   const std::size_t n = static_cast<std::size_t>(max_features);
   row_best_.resize(n);

@@ -16,6 +16,8 @@ class Descriptors {
   explicit Descriptors(int max_features);
   // window: odd, <= 11.
   void extract(ImageView<const std::uint8_t> filtered, const std::vector<Feature>& features, int window);
+  // The same of 7 x 7 means of 2 x 2 px each: less detail, and twice the surroundings.
+  void extract_coarse(ImageView<const std::uint8_t> filtered, const std::vector<Feature>& features);
   const std::uint8_t* operator[](int i) const { return bytes_.view().row(i); }
   const std::uint8_t* data() const { return bytes_.view().data; }
   int count() const { return count_; }

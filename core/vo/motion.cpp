@@ -28,12 +28,19 @@ constexpr double kMedianSquaredSigmas = 2.4;  // of three components, where the 
 constexpr double kTighten = 0.5;              // of the sigmas: noise below that is worth another solution ...
 constexpr double kTightest = 0.1;             // ... with sigmas of no less than this share
 
+using Vector7d = Eigen::Matrix<double, 7, 1>;
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+
 void add(const MotionSums& part, double weight, MotionSums& sums) {
   for (int i = 0; i < 21; ++i) sums.H[i] += weight * part.H[i];
   for (int i = 0; i < 6; ++i) sums.g[i] += weight * part.g[i];
   for (int i = 0; i < 6; ++i) sums.offset_h[i] += weight * part.offset_h[i];
   sums.offset_hh += weight * part.offset_hh;
   sums.offset_g += weight * part.offset_g;
+  for (int i = 0; i < 6; ++i) sums.shift_h[i] += weight * part.shift_h[i];
+  sums.shift_hh += weight * part.shift_hh;
+  sums.shift_g += weight * part.shift_g;
+  sums.shift_offset += weight * part.shift_offset;
   sums.cost += weight * part.cost;
 }
 
@@ -113,7 +120,7 @@ void MotionSolver::load(const std::vector<Observation>& observations, const std:
   }
 }
 
-void MotionSolver::accumulate(const std::vector<RigidTransform>& T_prev_ref, const RigidTransform& T,
+void MotionSolver::accumulate(const std::vector<RigidTransform>& T_prev_ref, const State& at, const Sigmas& sigmas,
                               MotionSums& sums) const {
   sums = {};
   MotionState state{};
@@ -123,63 +130,107 @@ void MotionSolver::accumulate(const std::vector<RigidTransform>& T_prev_ref, con
   state.cy = model_.cy_px;
   state.fx_baseline = model_.fx_px * model_.baseline_m;
   state.doffs = model_.doffs_px;
-  state.weight_px = 1.0 / (sigma_px_ * sigma_px_);
-  state.weight_d = 1.0 / (sigma_d_px_ * sigma_d_px_);
-  state.variance_d = sigma_d_px_ * sigma_d_px_;
+  state.weight_px = 1.0 / (sigmas.position_px * sigmas.position_px);
+  state.weight_d = 1.0 / (sigmas.disparity_px * sigmas.disparity_px);
+  state.variance_d = sigmas.disparity_px * sigmas.disparity_px;
   state.huber = params_.huber_sigmas;
   state.min_depth = kMinDepth;
+  state.shift = at.shift_px;
   for (std::size_t k = 0; k < T_prev_ref.size(); ++k) {
-    const RigidTransform T_ref_cur = T_prev_ref[k].inverse() * T;
+    const RigidTransform T_ref_cur = T_prev_ref[k].inverse() * at.T_prev_cur;
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) {
-        state.R[r][c] = T.R(r, c);
+        state.R[r][c] = at.T_prev_cur.R(r, c);
         state.M[r][c] = T_ref_cur.R(r, c);
       }
-      state.t[r] = T.t[r];
+      state.t[r] = at.T_prev_cur.t[r];
       state.m[r] = T_ref_cur.t[r];
     }
     MotionSums part{};
     kernels().motion_sums(terms_[k], state, part);
     add(part, k == 0 && T_prev_ref.size() > 1 ? kPreviousShare : 1.0, sums);
   }
+  if (sigmas.shift_px > 0.0) {
+    const double weight = 1.0 / (sigmas.shift_px * sigmas.shift_px);
+    sums.shift_hh += weight;
+    sums.shift_g -= weight * at.shift_px;
+    sums.cost += weight * at.shift_px * at.shift_px;
+  }
 }
 
 namespace {
 
-Matrix6d matrix_of(const MotionSums& sums) {
-  Matrix6d H;
+// Normal equations of the motion and the shift; without a shift its row is the identity's.
+Matrix7d matrix_of(const MotionSums& sums, bool with_shift) {
+  Matrix7d H = Matrix7d::Zero();
   int n = 0;
   for (int r = 0; r < 6; ++r) {
     for (int c = r; c < 6; ++c) H(r, c) = H(c, r) = sums.H[n++];
+    if (with_shift) H(r, 6) = H(6, r) = sums.shift_h[r];
   }
+  H(6, 6) = with_shift ? sums.shift_hh : 1.0;
   return H;
 }
 
-Vector6d vector_of(const double (&v)[6]) { return Eigen::Map<const Vector6d>(v); }
+Vector7d vector_of(const double (&v)[6], double shift) {
+  Vector7d out;
+  out << Eigen::Map<const Vector6d>(v), shift;
+  return out;
+}
+
+// What the solution says beside the motion: its covariance (right perturbation), the shift, and the error common to
+// all disparities, each with the others' share taken out.
+void read_solution(const MotionSums& sums, const Sigmas& sigmas, double shift_px, const Matrix6d& Ad, Motion& out) {
+  const bool with_shift = sigmas.shift_px > 0.0;
+  const Eigen::LDLT<Matrix7d> solver(matrix_of(sums, with_shift));
+  const Matrix7d covariance = solver.solve(Matrix7d::Identity());
+  out.covariance = Ad * covariance.topLeftCorner<6, 6>() * Ad.transpose();
+  const Vector7d offset_h = vector_of(sums.offset_h, with_shift ? sums.shift_offset : 0.0);
+  const Vector7d sensitivity = solver.solve(offset_h);
+  out.offset_sensitivity = Ad * sensitivity.head<6>();
+  out.offset_information = sums.offset_hh - offset_h.dot(sensitivity);
+  if (out.offset_information > 0.0) {
+    const Vector7d g = vector_of(sums.g, with_shift ? sums.shift_g : 0.0);
+    out.offset_px = (sums.offset_g - offset_h.dot(solver.solve(g))) / out.offset_information;
+  }
+  const Eigen::LDLT<Matrix6d> alone(matrix_of(sums, false).topLeftCorner<6, 6>());
+  const Vector6d h = Eigen::Map<const Vector6d>(sums.shift_h);
+  const double prior = with_shift ? 1.0 / (sigmas.shift_px * sigmas.shift_px) : 0.0;
+  out.shift_px = shift_px;
+  out.shift_information = sums.shift_hh - prior - h.dot(alone.solve(h));
+  if (out.shift_information > 0.0) {
+    const double g = sums.shift_g + prior * shift_px - h.dot(alone.solve(Eigen::Map<const Vector6d>(sums.g)));
+    out.free_shift_px = shift_px + g / out.shift_information;
+  }
+  out.converged = out.covariance.allFinite() && solver.isPositive();
+}
 
 }  // namespace
 
-void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Precision precision, RigidTransform& T,
-                            MotionSums& sums) const {
+void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, const Sigmas& sigmas, Precision precision,
+                            State& at, MotionSums& sums) const {
+  const bool with_shift = sigmas.shift_px > 0.0;
   const double small_gain = precision == Precision::full ? kSmallGain : kSmallGainRough;
-  accumulate(T_prev_ref, T, sums);
+  accumulate(T_prev_ref, at, sigmas, sums);
   double lambda = 1e-6;
-  bool at_T = true;  // each observation's error is that of T
+  bool is_at = true;  // each observation's error is that of `at`
   for (int iteration = 0; iteration < params_.solver_iterations; ++iteration) {
-    Matrix6d H = matrix_of(sums);
+    Matrix7d H = matrix_of(sums, with_shift);
     H.diagonal() *= 1.0 + lambda;
-    const Vector6d step = H.ldlt().solve(vector_of(sums.g));
-    const double gain = step.dot(vector_of(sums.g));
+    const Vector7d g = vector_of(sums.g, with_shift ? sums.shift_g : 0.0);
+    const Vector7d step = H.ldlt().solve(g);
+    const double gain = step.dot(g);
     if (!step.allFinite() || gain < small_gain) break;
-    RigidTransform candidate;  // the step perturbs T on the right
-    const Eigen::Matrix3d dR = so3_exp(step.tail<3>());
-    candidate.R = T.R * dR;
-    candidate.t = T.t + T.R * step.head<3>();
+    State candidate;  // the step perturbs T on the right
+    const Eigen::Matrix3d dR = so3_exp(step.segment<3>(3));
+    candidate.T_prev_cur.R = at.T_prev_cur.R * dR;
+    candidate.T_prev_cur.t = at.T_prev_cur.t + at.T_prev_cur.R * step.head<3>();
+    candidate.shift_px = at.shift_px + step[6];
     MotionSums next;
-    accumulate(T_prev_ref, candidate, next);
-    at_T = next.cost <= sums.cost;
-    if (at_T) {
-      T = candidate;
+    accumulate(T_prev_ref, candidate, sigmas, next);
+    is_at = next.cost <= sums.cost;
+    if (is_at) {
+      at = candidate;
       sums = next;
       lambda = std::max(1e-9, lambda * 0.1);
     } else {
@@ -188,13 +239,22 @@ void MotionSolver::minimise(const std::vector<RigidTransform>& T_prev_ref, Preci
       if (lambda > 1e6) break;
     }
   }
-  if (!at_T) accumulate(T_prev_ref, T, sums);
+  if (!is_at) accumulate(T_prev_ref, at, sigmas, sums);
+}
+
+double MotionSolver::noise_scale(const std::vector<Observation>& observations) {
+  sorted_.clear();
+  for (const Observation& o : observations) sorted_.push_back(o.squared_sigmas);
+  if (sorted_.empty()) return 1.0;
+  const auto middle = sorted_.begin() + static_cast<std::ptrdiff_t>(sorted_.size() / 2);
+  std::nth_element(sorted_.begin(), middle, sorted_.end());
+  return std::sqrt(*middle / kMedianSquaredSigmas);
 }
 
 Motion MotionSolver::solve_tightening(std::vector<Observation>& observations,
                                       const std::vector<RigidTransform>& T_prev_ref, const RigidTransform& start,
-                                      double sigma_px, double sigma_d_px) {
-  Motion first = solve(observations, T_prev_ref, start, sigma_px, sigma_d_px);
+                                      const Sigmas& sigmas) {
+  Motion first = solve(observations, T_prev_ref, start, sigmas);
   if (!first.converged) return first;
   sorted_.clear();
   for (const Observation& o : observations) {
@@ -205,49 +265,48 @@ Motion MotionSolver::solve_tightening(std::vector<Observation>& observations,
   const double scale = std::sqrt(*middle / kMedianSquaredSigmas);
   if (scale > kTighten) return first;
   const double share = std::max(scale, kTightest);
-  const Motion tight = solve(observations, T_prev_ref, first.T_prev_cur, share * sigma_px, share * sigma_d_px);
+  const Motion tight = solve(observations, T_prev_ref, first.T_prev_cur,
+                             {share * sigmas.position_px, share * sigmas.disparity_px, sigmas.shift_px},
+                             Precision::full, first.shift_px);
   return tight.converged ? tight : first;
 }
 
 void MotionSolver::judge(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
-                         const RigidTransform& T_prev_cur, double sigma_px, double sigma_d_px) {
-  sigma_px_ = sigma_px;
-  sigma_d_px_ = sigma_d_px;
+                         const RigidTransform& T_prev_cur, double shift_px, const Sigmas& sigmas) {
   load(observations, T_prev_ref);
   MotionSums sums{};
-  accumulate(T_prev_ref, T_prev_cur, sums);
+  accumulate(T_prev_ref, {T_prev_cur, shift_px}, sigmas, sums);
   const double* squared = storage_.data() + static_cast<std::size_t>(kSquared) * capacity_;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     observations[i].squared_sigmas = squared[place(i)];
-    observations[i].error_px = sigma_px * std::sqrt(observations[i].squared_sigmas);
+    observations[i].error_px = sigmas.position_px * std::sqrt(observations[i].squared_sigmas);
     observations[i].inlier = observations[i].squared_sigmas <= params_.trim_sigmas * params_.trim_sigmas;
   }
 }
 
 Motion MotionSolver::solve(std::vector<Observation>& observations, const std::vector<RigidTransform>& T_prev_ref,
-                           const RigidTransform& start, double sigma_px, double sigma_d_px, Precision precision) {
+                           const RigidTransform& start, const Sigmas& sigmas, Precision precision,
+                           double start_shift_px) {
   Motion out;
-  RigidTransform T = start;
+  State at{start, sigmas.shift_px > 0.0 ? start_shift_px : 0.0};
   MotionSums sums{};
-  sigma_px_ = sigma_px;
-  sigma_d_px_ = sigma_d_px;
   load(observations, T_prev_ref);
   const double trim2 = params_.trim_sigmas * params_.trim_sigmas;
   const double* squared = storage_.data() + static_cast<std::size_t>(kSquared) * capacity_;
   double* active = storage_.data() + static_cast<std::size_t>(kActive) * capacity_;
-  minimise(T_prev_ref, precision, T, sums);
+  minimise(T_prev_ref, sigmas, precision, at, sums);
   bool trimmed = false;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     const double keep = squared[place(i)] <= trim2 ? 1.0 : 0.0;
     trimmed = trimmed || keep != active[place(i)];
     active[place(i)] = keep;
   }
-  if (trimmed) minimise(T_prev_ref, precision, T, sums);
+  if (trimmed) minimise(T_prev_ref, sigmas, precision, at, sums);
   double sum = 0.0;
   for (std::size_t i = 0; i < observations.size(); ++i) {
     Observation& o = observations[i];
     o.squared_sigmas = squared[place(i)];
-    o.error_px = sigma_px * std::sqrt(o.squared_sigmas);
+    o.error_px = sigmas.position_px * std::sqrt(o.squared_sigmas);
     o.inlier = active[place(i)] > 0.0 && o.squared_sigmas <= trim2;
     if (!o.inlier) continue;
     ++out.inliers;
@@ -255,17 +314,9 @@ Motion MotionSolver::solve(std::vector<Observation>& observations, const std::ve
   }
   if (out.inliers < 3) return out;
   out.error_px = std::sqrt(sum / out.inliers);
-  const Eigen::LDLT<Matrix6d> solver(matrix_of(sums));
-  const Matrix6d Ad = adjoint(T);  // from the right to the left of T
-  out.covariance = Ad * solver.solve(Matrix6d::Identity()) * Ad.transpose();
-  const Vector6d offset_h = vector_of(sums.offset_h);
-  out.offset_sensitivity = Ad * solver.solve(offset_h);
-  out.offset_information = sums.offset_hh - offset_h.dot(solver.solve(offset_h));
-  if (out.offset_information > 0.0) {
-    out.offset_px = (sums.offset_g - offset_h.dot(solver.solve(vector_of(sums.g)))) / out.offset_information;
-  }
-  out.T_prev_cur = T.normalized();
-  out.converged = T.is_finite() && out.covariance.allFinite() && solver.isPositive();
+  read_solution(sums, sigmas, at.shift_px, adjoint(at.T_prev_cur), out);  // from the right to the left of T
+  out.T_prev_cur = at.T_prev_cur.normalized();
+  out.converged = out.converged && at.T_prev_cur.is_finite();
   return out;
 }
 

@@ -50,7 +50,8 @@ int OtherMotionFinder::find(const Frame& reference, const Frame& current, const 
   others.clear();
   observations_.clear();
   for (const Match& m : matches) observations_.push_back(observe_match(reference, current, m));
-  solver.judge(observations_, references_, first.T_prev_cur, params_.match_sigma_px, params_.match_disparity_sigma_px);
+  solver.judge(observations_, references_, first.T_prev_cur, first.shift_px,
+               {params_.match_sigma_px, params_.match_disparity_sigma_px});
   unexplained_.clear();
   for (std::size_t i = 0; i < observations_.size(); ++i) {
     if (!observations_[i].inlier) unexplained_.push_back(static_cast<int>(i));
@@ -81,7 +82,7 @@ void OtherMotionFinder::solve(const Frame& reference, const Frame& current, cons
     observations_.push_back(observe_match(reference, current, matches[static_cast<std::size_t>(i)]));
   }
   const Motion motion =
-      solver.solve(observations_, references_, start, params_.match_sigma_px, params_.match_disparity_sigma_px);
+      solver.solve(observations_, references_, start, {params_.match_sigma_px, params_.match_disparity_sigma_px});
   if (!motion.converged || motion.inliers < params_.min_mover_points || !apart(first, motion)) return;
   OtherMotion& other = others.add();
   other.motion = motion;

@@ -17,10 +17,13 @@ struct Warp {
 };
 
 struct PatchParams {
-  int radius = 4;              // patch side 2 r + 1, r <= 7
-  int iterations = 8;          // at most
-  double max_residual = 12.0;  // RMS grey levels after gain and bias
-  double max_shift_px = 4.0;   // from the start; farther is lost
+  int radius = 4;      // patch side 2 r + 1, r <= 7
+  int iterations = 8;  // at most
+  // The patches are the same where they differ by no more than this (RMS grey levels after gain and bias), or share so
+  // much of their contrast: noise may be all the difference, or a small part of a strong pattern.
+  double max_residual = 12.0;
+  double min_correlation = 0.8;
+  double max_shift_px = 4.0;  // from the start; farther is lost
 };
 
 enum class Freedom { row_only, both };

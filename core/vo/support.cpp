@@ -17,8 +17,6 @@ constexpr int kWitnessRadius = 7;      // half side of a patch: larger than a fe
 constexpr int kIterations = 5;         // of the search: to a tenth of a pixel is enough
 constexpr int kAsked = 2;              // witnesses in a cell, at most
 constexpr double kNearby = 2.5;        // px, a patch found so near to its place agrees
-constexpr double kMinDisparity = 0.1;  // px (with doffs): beyond, depth means nothing
-constexpr double kMinDepth_m = 0.05;
 constexpr double kMostChange = 2.0;    // of a patch's area: seen too differently to compare
 constexpr double kSameDepth = 0.1;     // share of the disparity, and at least ...
 constexpr double kSameDepth_px = 1.5;  // ... this: farther off, something else is seen there
@@ -26,6 +24,11 @@ constexpr double kSameDepth_px = 1.5;  // ... this: farther off, something else 
 constexpr float kSeenByBoth = 0.7F;
 constexpr float kAlike = 0.7F;   // ... with the patch of the other frame, as a share of that: agrees ...
 constexpr float kUnlike = 0.5F;  // ... or contradicts
+// A pattern that repeats itself (railings, bricks) is found in several places, in space and in depth: patches that
+// correlate so well with their own surroundings prove nothing.
+constexpr float kRepeated = 0.7F;
+constexpr double kNearSelf = 0.5;     // of the patch's side: nearer, every patch resembles itself
+constexpr double kRepeatReach = 3.0;  // sides of the patch along the row, where stereo matching looks
 
 // Gradients around a place, in the direction in which there are fewer.
 int texture_at(ImageView<const std::uint8_t> image, int x, int y) {
@@ -89,63 +92,70 @@ void Support::choose_witnesses(ImageView<const std::int16_t> disparity, Frame& f
   }
 }
 
-Support::Vote Support::ask(const Feature& f, const Frame& reference, const Frame& current,
-                           ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref,
-                           const SelfCheck& check) const {
-  const double d = f.raw_disparity_px - check.disparity_error_px(f.x, f.y);
-  if (d + model_.doffs_px < kMinDisparity) return Vote::none;
-  const Eigen::Vector3d p = T_cur_ref * model_.triangulate(f.x, f.y, d);
-  if (p.z() < kMinDepth_m) return Vote::none;
-  const auto image_of = [&](const Eigen::Vector3d& q) {
-    return Eigen::Vector2d(model_.fx_px * q.x() / q.z() + model_.cx_px, model_.fy_px * q.y() / q.z() + model_.cy_px);
-  };
-  const Eigen::Vector2d uv = image_of(p);
-  const double reach = kWitnessRadius;
-  if (!(uv.x() >= reach + 4 && uv.y() >= reach + 4 && uv.x() < model_.width - reach - 4 &&
-        uv.y() < model_.height - reach - 4)) {
+Support::Vote Support::test_patch(const Feature& f, const Frame& reference, const Frame& current,
+                                  ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref,
+                                  const ViewErrors& errors) const {
+  const double d = f.raw_disparity_px - errors.check.disparity_error_px(f.x, f.y) - reference.shift_px;
+  if (d + model_.doffs_px < kMinDisparity_px) return Vote::none;
+  SurfacePatch expected;
+  if (!surface_patch(model_, f, d, T_cur_ref, kWitnessRadius, expected)) return Vote::none;
+  const double reach = kWitnessRadius + 4;
+  if (!(expected.u >= reach && expected.v >= reach && expected.u < model_.width - reach &&
+        expected.v < model_.height - reach)) {
     return Vote::none;
   }
-  const double right_d = std::max(d + model_.doffs_px + reach * f.disparity_dx, kMinDisparity);
-  const double below_d = std::max(d + model_.doffs_px + reach * f.disparity_dy, kMinDisparity);
-  const Eigen::Vector3d right = T_cur_ref * model_.triangulate(f.x + reach, f.y, right_d - model_.doffs_px);
-  const Eigen::Vector3d below = T_cur_ref * model_.triangulate(f.x, f.y + reach, below_d - model_.doffs_px);
-  if (right.z() < kMinDepth_m || below.z() < kMinDepth_m) return Vote::none;
-  const Eigen::Vector2d ax = (image_of(right) - uv) / reach;
-  const Eigen::Vector2d ay = (image_of(below) - uv) / reach;
-  const double area = ax.x() * ay.y() - ax.y() * ay.x();
-  if (!(area > 1.0 / kMostChange && area < kMostChange)) return Vote::none;
+  if (!(expected.area > 1.0 / kMostChange && expected.area < kMostChange)) return Vote::none;
   // Hidden by something else, or not known: then the place says nothing.
-  const std::int16_t there = disparity(static_cast<int>(std::lround(uv.x())), static_cast<int>(std::lround(uv.y())));
+  const std::int16_t there =
+      disparity(static_cast<int>(std::lround(expected.u)), static_cast<int>(std::lround(expected.v)));
   if (there == kUnknownDisparity) return Vote::none;
-  const double expected = model_.fx_px * model_.baseline_m / p.z() - model_.doffs_px;
-  const double seen = there / static_cast<double>(kDisparityScale) - check.disparity_error_px(uv.x(), uv.y());
-  if (std::abs(seen - expected) > std::max(kSameDepth_px, kSameDepth * expected)) return Vote::none;
+  const double seen = there / static_cast<double>(kDisparityScale) - errors.disparity_px(expected.u, expected.v);
+  if (std::abs(seen - expected.disparity_px) > std::max(kSameDepth_px, kSameDepth * expected.disparity_px)) {
+    return Vote::none;
+  }
   Template t;
   if (!cut_template(reference.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch_.radius, t)) {
     return Vote::none;
   }
-  Warp warp;
-  warp.xx = static_cast<float>(ax.x());
-  warp.yx = static_cast<float>(ax.y());
-  warp.xy = static_cast<float>(ay.x());
-  warp.yy = static_cast<float>(ay.y());
-  const PatchFit moved = fit_patch(t, current.left.cview(), static_cast<float>(uv.x()), static_cast<float>(uv.y()),
-                                   warp, Freedom::both, patch_);
+  const PatchFit moved = fit_patch(t, current.left.cview(), static_cast<float>(expected.u),
+                                   static_cast<float>(expected.v), expected.warp, Freedom::both, patch_);
   if (moved.correlation > kAlike) return Vote::agrees;
   // Not found: but is it fit to be found at all?
-  warp = {};
-  warp.xx = static_cast<float>(1.0 - f.disparity_dx);
-  warp.xy = static_cast<float>(-f.disparity_dy);
+  Warp to_right;
+  to_right.xx = static_cast<float>(1.0 - f.disparity_dx);
+  to_right.xy = static_cast<float>(-f.disparity_dy);
   const PatchFit both =
       fit_patch(t, reference.right.cview(), static_cast<float>(f.x - f.raw_disparity_px),
-                static_cast<float>(f.y + check.vertical_error_px(f.x, f.y)), warp, Freedom::both, patch_);
+                static_cast<float>(f.y + errors.check.vertical_error_px(f.x, f.y)), to_right, Freedom::both, patch_);
   if (both.correlation < kSeenByBoth) return Vote::none;
   if (moved.correlation > kAlike * both.correlation) return Vote::agrees;
-  return moved.correlation < kUnlike * both.correlation ? Vote::contradicts : Vote::none;
+  if (moved.correlation >= kUnlike * both.correlation) return Vote::none;
+  return unique(t, f, reference, expected.u - f.x, expected.v - f.y) ? Vote::contradicts : Vote::none;
+}
+
+// Whether the patch is seen only once: along its row, where a wrong depth would come from, and along the way (du, dv)
+// that it would have moved.
+bool Support::unique(const Template& t, const Feature& f, const Frame& reference, double du, double dv) const {
+  PatchParams once = patch_;
+  once.iterations = 1;  // only the correlation there
+  const double side = 2.0 * kWitnessRadius + 1.0;
+  const auto repeated_along = [&](double dx, double dy, double length) {
+    for (double at = kNearSelf * side; at <= length; at += 1.0) {
+      for (const double way : {at, -at}) {
+        const PatchFit there = fit_patch(t, reference.left.cview(), static_cast<float>(f.x + way * dx),
+                                         static_cast<float>(f.y + way * dy), {}, Freedom::both, once);
+        if (there.correlation > kRepeated) return true;
+      }
+    }
+    return false;
+  };
+  if (repeated_along(1.0, 0.0, kRepeatReach * side)) return false;
+  const double moved = std::hypot(du, dv);
+  return !(moved > kNearSelf * side) || !repeated_along(du / moved, dv / moved, moved + 0.5 * side);
 }
 
 CellVotes Support::count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,
-                         const RigidTransform& T_ref_cur, const SelfCheck& check,
+                         const RigidTransform& T_ref_cur, const ViewErrors& errors,
                          const std::vector<Observation>& observations) {
   std::fill(votes_.begin(), votes_.end(), Vote::none);
   for (const Observation& o : observations) {
@@ -157,19 +167,19 @@ CellVotes Support::count(const Frame& reference, const Frame& current, ImageView
   out.cells = static_cast<int>(votes_.size());
   for (const Vote v : votes_) out.inliers += v == Vote::agrees ? 1 : 0;
   const RigidTransform T_cur_ref = T_ref_cur.inverse();
-  const auto hear = [&](const std::vector<Feature>& witnesses) {
+  const auto collect = [&](const std::vector<Feature>& witnesses) {
     for (const Feature& w : witnesses) {
       const std::size_t cell = cell_of(w.x, w.y);
       if (votes_[cell] == Vote::agrees || asked_[cell] >= kAsked) continue;
-      const Vote vote = ask(w, reference, current, disparity, T_cur_ref, check);
+      const Vote vote = test_patch(w, reference, current, disparity, T_cur_ref, errors);
       if (vote == Vote::none) continue;
       ++asked_[cell];
       votes_[cell] = std::max(votes_[cell], vote);
     }
   };
   std::fill(asked_.begin(), asked_.end(), 0);
-  hear(reference.features);  // the best of each cell come first
-  hear(reference.witnesses);
+  collect(reference.features);  // the best of each cell come first
+  collect(reference.witnesses);
   for (const Vote v : votes_) {
     out.agree += v == Vote::agrees ? 1 : 0;
     out.contradict += v == Vote::contradicts ? 1 : 0;

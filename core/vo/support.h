@@ -11,6 +11,7 @@
 #include "core/vo/motion.h"
 #include "core/vo/patch.h"
 #include "core/vo/self_check.h"
+#include "core/vo/tracking.h"
 
 namespace cliquevo::vo {
 
@@ -32,13 +33,15 @@ class Support {
   void choose_witnesses(ImageView<const std::int16_t> disparity, Frame& frame);
   // `observations`: of the reference (index 0), judged. `disparity`: of the current frame.
   CellVotes count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,
-                  const RigidTransform& T_ref_cur, const SelfCheck& check,
+                  const RigidTransform& T_ref_cur, const ViewErrors& errors,
                   const std::vector<Observation>& observations);
 
  private:
   enum class Vote : std::uint8_t { none, contradicts, agrees };
-  Vote ask(const Feature& witness, const Frame& reference, const Frame& current,
-           ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref, const SelfCheck& check) const;
+  Vote test_patch(const Feature& place, const Frame& reference, const Frame& current,
+                  ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref,
+                  const ViewErrors& errors) const;
+  bool unique(const Template& patch, const Feature& place, const Frame& reference, double du, double dv) const;
   std::size_t cell_of(int x, int y) const {
     return static_cast<std::size_t>(y / side_px_) * static_cast<std::size_t>(across_) +
            static_cast<std::size_t>(x / side_px_);

@@ -9,10 +9,9 @@ namespace cliquevo::vo {
 
 namespace {
 
-constexpr int kSlantRadius = 5;        // px, window in which the slant of the surface is measured
-constexpr double kSlantBand = 2.0;     // px, disparities farther from the feature's belong to something else
-constexpr double kMaxSlant = 0.8;      // change of disparity per px; steeper surfaces are not seen alike by both eyes
-constexpr double kMinDisparity = 0.1;  // px (with doffs): beyond, depth means nothing
+constexpr int kSlantRadius = 5;     // px, window in which the slant of the surface is measured
+constexpr double kSlantBand = 2.0;  // px, disparities farther from the feature's belong to something else
+constexpr double kMaxSlant = 0.8;   // change of disparity per px; steeper surfaces are not seen alike by both eyes
 
 // Linear interpolation draws a fit to half pixels: at a fraction a of a pixel its phase is off by about sin(2 pi a).
 // Where to cut the template so that both patches, `shift` apart, are off by the same: a and a + shift lie evenly about
@@ -22,7 +21,30 @@ float even_place(double shift) {
   return static_cast<float>(0.25 - 0.5 * fraction);
 }
 
-constexpr std::size_t kVerticalStep = 4;  // every so many features tell of the vertical error
+constexpr std::size_t kVerticalStep = 4;    // every so many features are measured for rows
+constexpr std::size_t kLeastRows = 8;       // of them tell a frame's own error and noise
+constexpr double kMedianOfNormal = 1.4826;  // standard deviation over median absolute deviation
+// Patches are the same where they differ by no more than twice the noise, or share so much of their contrast.
+constexpr double kNoiseGate = 2.0;
+constexpr double kFirstGrey = 6.0;        // before noise was measured
+constexpr int kLargePatch = 2;            // times the usual radius
+constexpr double kStereoShift_px = 2.0;   // from where the disparity is expected
+constexpr double kMatcherShift_px = 1.5;  // the block matcher is right to a pixel, or wrong altogether
+constexpr double kMostWarp = 5.0;         // of a patch's area: seen too differently to compare
+
+double median_of(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// From the left to the right image, for the slant of the surface.
+Warp slanted(const Feature& f) {
+  Warp warp;
+  warp.xx = static_cast<float>(1.0 - f.disparity_dx);
+  warp.xy = static_cast<float>(-f.disparity_dy);
+  return warp;
+}
 
 // Eight pixels of a row of disparities.
 using Words = std::int16_t __attribute__((vector_size(16)));
@@ -94,130 +116,124 @@ void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
 Tracker::Tracker(const StereoModel& model, const VoParams& params) : model_(model), params_(params) {
   patch_.radius = params.refine_radius_px;
   patch_.iterations = params.refine_iterations;
-  patch_.max_residual = params.refine_max_residual;
+  patch_.min_correlation = params.min_patch_correlation;
   patch_.max_shift_px = params.refine_radius_px;
+  large_patch_ = patch_;
+  large_patch_.radius = std::min(kMaxPatchRadius, kLargePatch * params.refine_radius_px);
+  large_patch_.max_shift_px = large_patch_.radius;
+  set_noise(kFirstGrey);
 }
 
-// How much lower a feature is found in the right image: looked for on a part of the features, in turn.
-void Tracker::measure_vertical(SelfCheck& check, const Frame& frame) {
+void Tracker::set_noise(double grey_levels) {
+  patch_.max_residual = large_patch_.max_residual = kNoiseGate * grey_levels;
+}
+
+void Tracker::measure_views(ImageView<const std::int16_t> disparity, SelfCheck& check, Frame& frame) {
+  for (Feature& f : frame.features) measure_slant(disparity, f);
+  rows_.clear();
+  greys_.clear();
   PatchParams patch = patch_;
-  patch.max_shift_px = 2.0;
+  patch.max_shift_px = kStereoShift_px;
   const std::size_t step = check.frames() == 0 ? 1 : check.frames() < 100 ? kVerticalStep : 2 * kVerticalStep;
   Template t;
   for (std::size_t i = phase_++ % step; i < frame.features.size(); i += step) {
     const Feature& f = frame.features[i];
     const double down = check.vertical_error_px(f.x, f.y);
-    const float dx = even_place(-f.disparity_px);
-    const float dy = even_place(down);
-    const float x = static_cast<float>(f.x) + dx;
-    const float y = static_cast<float>(f.y) + dy;
+    const float x = static_cast<float>(f.x) + static_cast<float>(even_place(-f.disparity_px));
+    const float y = static_cast<float>(f.y) + static_cast<float>(even_place(down));
     if (!cut_template(frame.left.cview(), x, y, patch.radius, t)) continue;
-    Warp warp;
-    warp.xx = static_cast<float>(1.0 - f.disparity_dx);
-    warp.xy = static_cast<float>(-f.disparity_dy);
     const PatchFit fit = fit_patch(t, frame.right.cview(), static_cast<float>(f.x - f.disparity_px),
-                                   y + static_cast<float>(down), warp, Freedom::both, patch);
-    if (fit.ok) check.add_vertical(f.x, f.y, static_cast<double>(fit.y) - static_cast<double>(y));
+                                   y + static_cast<float>(down), slanted(f), Freedom::both, patch);
+    if (!fit.ok) continue;
+    const double lower = static_cast<double>(fit.y) - static_cast<double>(y);
+    check.add_vertical(f.x, f.y, lower);
+    rows_.push_back(lower - down);
+    greys_.push_back(static_cast<double>(fit.residual));
   }
   check.update_vertical();
+  frame.row_shift_px = frame.row_scatter_px = frame.grey_scatter = 0.0;
+  if (rows_.size() < kLeastRows) return;
+  frame.row_shift_px = median_of(rows_);
+  for (double& row : rows_) row = std::abs(row - frame.row_shift_px);
+  frame.row_scatter_px = kMedianOfNormal * median_of(rows_);
+  frame.grey_scatter = median_of(greys_);
 }
 
-void Tracker::refine_disparities(ImageView<const std::int16_t> disparity, SelfCheck& check, Frame& frame) {
+void Tracker::refine_disparities(const ViewErrors& errors, Frame& frame) const {
   PatchParams patch = patch_;
-  patch.max_shift_px = 1.5;  // the block matcher is right to a pixel, or wrong altogether
-  for (Feature& f : frame.features) measure_slant(disparity, f);
-  measure_vertical(check, frame);
+  patch.max_shift_px = kMatcherShift_px;
   Template t;
   for (Feature& f : frame.features) {
     f.raw_disparity_px = f.disparity_px;
-    if (cut_template(frame.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch.radius, t)) {
-      Warp warp;
-      warp.xx = static_cast<float>(1.0 - f.disparity_dx);
-      warp.xy = static_cast<float>(-f.disparity_dy);
-      const PatchFit fit =
-          fit_patch(t, frame.right.cview(), static_cast<float>(f.x - f.disparity_px),
-                    static_cast<float>(f.y + check.vertical_error_px(f.x, f.y)), warp, Freedom::row_only, patch);
-      if (fit.ok) f.raw_disparity_px = f.x - static_cast<double>(fit.x);
-    }
+    if (!cut_template(frame.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch.radius, t)) continue;
+    const PatchFit fit =
+        fit_patch(t, frame.right.cview(), static_cast<float>(f.x - f.disparity_px),
+                  static_cast<float>(f.y + errors.rows_px(f.x, f.y)), slanted(f), Freedom::row_only, patch);
+    if (fit.ok) f.raw_disparity_px = f.x - static_cast<double>(fit.x);
   }
-  compensate(check, frame);
+  compensate(errors.check, frame);
 }
 
 void Tracker::compensate(const SelfCheck& check, Frame& frame) const {
   for (Feature& f : frame.features) {
-    const double d = f.raw_disparity_px - check.disparity_error_px(f.x, f.y);
-    f.disparity_px = std::max(d, kMinDisparity - model_.doffs_px);
+    const double d = f.raw_disparity_px - check.disparity_error_px(f.x, f.y) - frame.shift_px;
+    f.disparity_px = std::max(d, kMinDisparity_px - model_.doffs_px);
     f.point = model_.triangulate(f.x, f.y, f.disparity_px);
   }
 }
 
 void Tracker::track(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur, int reference_index,
-                    std::size_t first, std::size_t last, const SelfCheck& check,
+                    const FeatureRange& range, PatchSize size, const ViewErrors& errors,
                     std::vector<Observation>& observations) const {
   const RigidTransform T_cur_ref = T_ref_cur.inverse();
-  const double reach = params_.refine_radius_px;
-  Template t;
-  Template left;
-  PatchParams stereo_patch = patch_;
-  stereo_patch.max_shift_px = 2.0;
-  for (std::size_t i = first; i < std::min(last, reference.features.size()); ++i) {
+  const PatchParams& patch = size == PatchSize::usual ? patch_ : large_patch_;
+  const double reach = patch.radius;
+  SurfacePatch expected;
+  Observation o;
+  for (std::size_t i = range.first; i < std::min(range.last, reference.features.size()); ++i) {
     const Feature& f = reference.features[i];
-    const Eigen::Vector3d p = T_cur_ref * f.point;
-    if (p.z() < 0.05) continue;
-    const auto image_of = [&](const Eigen::Vector3d& q) {
-      return Eigen::Vector2d(model_.fx_px * q.x() / q.z() + model_.cx_px, model_.fy_px * q.y() / q.z() + model_.cy_px);
-    };
-    const Eigen::Vector2d uv = image_of(p);
-    if (uv.x() < reach || uv.y() < reach || uv.x() > model_.width - 1 - reach || uv.y() > model_.height - 1 - reach) {
+    if (!surface_patch(model_, f, f.disparity_px, T_cur_ref, reach, expected)) continue;
+    if (!(expected.u >= reach && expected.v >= reach && expected.u <= model_.width - 1 - reach &&
+          expected.v <= model_.height - 1 - reach)) {
       continue;
     }
-    // How the surface element is seen from the new place: two more of its points, moved likewise.
-    const double right_d = std::max(f.disparity_px + model_.doffs_px + reach * f.disparity_dx, kMinDisparity);
-    const double below_d = std::max(f.disparity_px + model_.doffs_px + reach * f.disparity_dy, kMinDisparity);
-    const Eigen::Vector3d right = T_cur_ref * model_.triangulate(f.x + reach, f.y, right_d - model_.doffs_px);
-    const Eigen::Vector3d below = T_cur_ref * model_.triangulate(f.x, f.y + reach, below_d - model_.doffs_px);
-    if (right.z() < 0.05 || below.z() < 0.05) continue;
-    const Eigen::Vector2d ax = (image_of(right) - uv) / reach;
-    const Eigen::Vector2d ay = (image_of(below) - uv) / reach;
-    const double area = ax.x() * ay.y() - ax.y() * ay.x();
-    if (!(area > 0.2 && area < 5.0)) continue;
-    Warp warp;
-    warp.xx = static_cast<float>(ax.x());
-    warp.yx = static_cast<float>(ax.y());
-    warp.xy = static_cast<float>(ay.x());
-    warp.yy = static_cast<float>(ay.y());
-    if (!cut_template(reference.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch_.radius, t)) {
-      continue;
-    }
-    const PatchFit fit = fit_patch(t, current.left.cview(), static_cast<float>(uv.x()), static_cast<float>(uv.y()),
-                                   warp, Freedom::both, patch_);
-    if (!fit.ok) continue;
-    if (!cut_template(current.left.cview(), fit.x, fit.y, patch_.radius, left)) continue;
-    const double expected_d = model_.fx_px * model_.baseline_m / p.z() - model_.doffs_px;
-    // Slant as seen from here: disparity goes with 1 / z, so with the ratio of the disparities over that of the
-    // lengths.
-    const double dx = (model_.fx_px * model_.baseline_m / right.z() - model_.doffs_px - expected_d) / reach;
-    const double dy = (model_.fx_px * model_.baseline_m / below.z() - model_.doffs_px - expected_d) / reach;
-    Warp shear;  // gradient of disparity in the new image = (dx, dy) * A^-1
-    shear.xx = static_cast<float>(1.0 - (dx * ay.y() - dy * ax.y()) / area);
-    shear.xy = static_cast<float>(-(dy * ax.x() - dx * ay.x()) / area);
-    const double error_d = check.disparity_error_px(fit.x, fit.y);
-    const float row = fit.y + static_cast<float>(check.vertical_error_px(fit.x, fit.y));
-    const PatchFit stereo = fit_patch(left, current.right.cview(), fit.x - static_cast<float>(expected_d + error_d),
-                                      row, shear, Freedom::row_only, stereo_patch);
-    if (!stereo.ok) continue;
-    const double d = static_cast<double>(fit.x) - static_cast<double>(stereo.x) - error_d;
-    if (d + model_.doffs_px < kMinDisparity) continue;
-    Observation o;
-    o.uvd_ref = {static_cast<double>(f.x), static_cast<double>(f.y), f.disparity_px};
-    o.uvd_cur = {fit.x, fit.y, d};
+    if (!(expected.area > 1.0 / kMostWarp && expected.area < kMostWarp)) continue;
+    if (!find(reference, current, f, expected, patch, errors, o)) continue;
     o.reference = reference_index;
     o.feature = static_cast<int>(i);
-    o.brighter = fit.brighter;
-    o.change = 1.0F - fit.correlation;
-    o.difference = 1.0F - stereo.correlation;
     observations.push_back(o);
   }
+}
+
+// The feature's patch in the current left image, then that place's in the right one.
+bool Tracker::find(const Frame& reference, const Frame& current, const Feature& f, const SurfacePatch& expected,
+                   const PatchParams& patch, const ViewErrors& errors, Observation& o) const {
+  Template t;
+  if (!cut_template(reference.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch.radius, t)) {
+    return false;
+  }
+  const PatchFit fit = fit_patch(t, current.left.cview(), static_cast<float>(expected.u),
+                                 static_cast<float>(expected.v), expected.warp, Freedom::both, patch);
+  if (!fit.ok) return false;
+  if (!cut_template(current.left.cview(), fit.x, fit.y, patch.radius, t)) return false;
+  PatchParams stereo_patch = patch;
+  stereo_patch.max_shift_px = kStereoShift_px;
+  const double error_d = errors.disparity_px(fit.x, fit.y);
+  const float row = fit.y + static_cast<float>(errors.rows_px(fit.x, fit.y));
+  const PatchFit stereo =
+      fit_patch(t, current.right.cview(), fit.x - static_cast<float>(expected.disparity_px + error_d), row,
+                expected.to_right, Freedom::row_only, stereo_patch);
+  if (!stereo.ok) return false;
+  // The frame's own common error stays in: the motion is solved for together with it.
+  const double d = static_cast<double>(fit.x) - static_cast<double>(stereo.x) - (error_d - errors.shift_px);
+  if (d - errors.shift_px + model_.doffs_px < kMinDisparity_px || d + model_.doffs_px < kMinDisparity_px) return false;
+  o = {};
+  o.uvd_ref = {static_cast<double>(f.x), static_cast<double>(f.y), f.disparity_px};
+  o.uvd_cur = {fit.x, fit.y, d};
+  o.brighter = fit.brighter;
+  o.change = 1.0F - fit.correlation;
+  o.difference = 1.0F - stereo.correlation;
+  return true;
 }
 
 }  // namespace cliquevo::vo

@@ -9,8 +9,11 @@
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
 #include "core/base/time.h"
+#include "core/vo/evidence.h"
 #include "core/vo/movers.h"
 #include "core/vo/self_check.h"
+#include "core/vo/step_times.h"
+#include "core/vo/verdict.h"
 #include "core/vo/vo_params.h"
 
 namespace cliquevo::vo {
@@ -22,27 +25,6 @@ struct FrameInput {
   ImageView<const std::uint8_t> right;          // rectified
   ImageView<const std::uint8_t> filtered_left;  // the paper's J
   ImageView<const std::int16_t> disparity;      // px * 16, kUnknownDisparity where unknown
-};
-
-// The verdict on a frame; the numbers go out over LCM.
-enum class Status : std::int8_t {
-  no_data = 0,             // first frame: nothing to compare with
-  valid = 1,               //
-  too_few_features = 2,    // features, matches or clique too small
-  degenerate = 3,          // spread of the inliers too one-sided to fix the motion
-  reprojection_error = 4,  // the inliers do not agree on one motion
-  ambiguous = 5,           // a second motion is well supported, or much of the picture speaks against the one found
-};
-const char* status_name(Status status);
-
-// Time spent in each step of the last frame.
-struct StepTimes {
-  std::int64_t features_ns = 0;
-  std::int64_t scores_ns = 0;
-  std::int64_t matches_ns = 0;
-  std::int64_t clique_ns = 0;
-  std::int64_t motion_ns = 0;
-  std::int64_t total_ns = 0;
 };
 
 // Step A7. `T_prev_cur` takes points of this camera frame to the last valid frame's one (`prev_stamp_ns`): after failed
@@ -62,14 +44,17 @@ struct Estimate {
   int inliers = 0;                     // that the final solution rests on
   double reprojection_error_px = 0.0;  // RMS over the inliers
   double eigenvalue_ratio = 0.0;       // spread of the inliers in the image, 0 (a line) to 1 (round)
-  // What speaks against the motion even where all inliers agree: the share of the picture's cells whose texture is not
-  // where the motion puts it, and how much the picture changed more than two views of one moment differ.
-  double contradiction = 0.0;
-  double unsteadiness_px = 0.0;
+  Checks checks;                       // each check's value beside its bound: why a frame failed
+  int quality = 0;                     // 0 to 100, from the covariance; 0 on failure
   // What this frame alone says of an error common to all disparities, as compensated: how much too large, and the
   // inverse variance of that figure by noise alone (0: says nothing).
   double disparity_offset_px = 0.0;
   double disparity_offset_information = 0.0;
+  // By how much this frame's disparities alone were found too large (a rig that flexes), and the camera's usual width
+  // of that; the reprojection error that its measured noise makes expected.
+  double disparity_shift_px = 0.0;
+  double disparity_shift_sigma_px = 0.0;
+  double expected_error_px = 0.0;
   CalibrationCheck calibration;  // what is known of its errors up to this frame
   VehiclePart vehicle_part;      // noticed in the view up to this frame
   StepTimes times;

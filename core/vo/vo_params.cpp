@@ -32,7 +32,7 @@ Result<void> VoParams::check() const {
   if (!within(match_disparity_sigma_px, 0.01, 10.0)) return out_of_range("match_disparity_sigma_px", "0.01 to 10");
   if (!within(refine_radius_px, 2, 7)) return out_of_range("refine_radius_px", "2 to 7");
   if (!within(refine_iterations, 1, 50)) return out_of_range("refine_iterations", "1 to 50");
-  if (!within(refine_max_residual, 1.0, 255.0)) return out_of_range("refine_max_residual", "1 to 255");
+  if (!within(min_patch_correlation, 0.3, 1.0)) return out_of_range("min_patch_correlation", "0.3 to 1");
   if (!within(sigma_px, 0.01, 10.0)) return out_of_range("sigma_px", "0.01 to 10");
   if (!within(disparity_sigma_px, 0.01, 10.0)) return out_of_range("disparity_sigma_px", "0.01 to 10");
   if (!within(key_frame_overlap, 0.05, 1.0)) return out_of_range("key_frame_overlap", "0.05 to 1");
@@ -41,10 +41,11 @@ Result<void> VoParams::check() const {
   if (!within(trim_sigmas, 1.0, 100.0)) return out_of_range("trim_sigmas", "1 to 100");
   if (!within(min_inliers, 3, 500)) return out_of_range("min_inliers", "3 to 500");
   if (!within(min_eigenvalue_ratio, 0.0, 1.0)) return out_of_range("min_eigenvalue_ratio", "0 to 1");
-  if (!within(max_reprojection_error_px, 0.01, 10.0)) return out_of_range("max_reprojection_error_px", "0.01 to 10");
+  if (!within(max_error_ratio, 0.1, 100.0)) return out_of_range("max_error_ratio", "0.1 to 100");
   if (!within(rival_share, 0.1, 1.0)) return out_of_range("rival_share", "0.1 to 1");
   if (!within(max_contradiction, 0.01, 1.0)) return out_of_range("max_contradiction", "0.01 to 1");
-  if (!within(max_unsteadiness_px, 0.001, 10.0)) return out_of_range("max_unsteadiness_px", "0.001 to 10");
+  if (!within(max_running_ground, 0.1, 1000.0)) return out_of_range("max_running_ground", "0.1 to 1000");
+  if (!within(max_uncertainty, 0.001, 100.0)) return out_of_range("max_uncertainty", "0.001 to 100");
   if (!within(min_mover_points, 4, 500)) return out_of_range("min_mover_points", "4 to 500");
   return {};
 }

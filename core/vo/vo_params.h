@@ -27,14 +27,14 @@ struct VoParams {
   double match_disparity_sigma_px = 0.5;  // of its disparity, unrefined
 
   // Sub-pixel refinement (beyond the paper; core/README.md has the reasons)
-  bool refine = true;                 // find each feature of the reference again to a fraction of a pixel
-  int refine_radius_px = 3;           // half side of the patch, 2..7
-  int refine_iterations = 8;          // at most
-  double refine_max_residual = 12.0;  // RMS grey levels between patches (after gain and bias) above which it is dropped
-  double sigma_px = 0.3;              // of a refined position
-  double disparity_sigma_px = 1.0;    // of a refined disparity: loose, so that a systematic error cannot set the scale
-  bool use_key_frame = true;          // estimate against a kept reference as well as the previous frame
-  double key_frame_overlap = 0.4;     // a new reference when less than this share of its features is found again
+  bool refine = true;                  // find each feature of the reference again to a fraction of a pixel
+  int refine_radius_px = 3;            // half side of the patch, 2..7
+  int refine_iterations = 8;           // at most
+  double min_patch_correlation = 0.8;  // of patches that are the same; less only where noise is all their difference
+  double sigma_px = 0.3;               // of a refined position
+  double disparity_sigma_px = 1.0;     // of a refined disparity: loose, so that a systematic error cannot set the scale
+  bool use_key_frame = true;           // estimate against a kept reference as well as the previous frame
+  double key_frame_overlap = 0.4;      // a new reference when less than this share of its features is found again
   // Correct disparities for the error of the calibration that ordinary driving shows (core/vo/self_check.h); it is
   // measured and reported in any case, with `refine`.
   bool compensate_calibration = true;
@@ -45,13 +45,13 @@ struct VoParams {
   double trim_sigmas = 4.0;    // residuals beyond are dropped before the second solution
 
   // A6, validation
-  int min_inliers = 10;                    // 3 is the geometric minimum
-  double min_eigenvalue_ratio = 0.02;      // spread of the inliers in the image, smaller / larger axis (variances)
-  double max_reprojection_error_px = 0.8;  // RMS over the inliers
-  double rival_share = 0.35;               // ambiguous: another motion has this share of the clique's support
-  double max_contradiction = 0.14;         // or more than this share of the picture moved otherwise
-  double max_unsteadiness_px = 0.7;        // or surfaces change while their points scatter, as water does, or the
-                                           // eyes differ by more than a frame changes
+  int min_inliers = 10;                // 3 is the geometric minimum
+  double min_eigenvalue_ratio = 0.02;  // spread of the inliers in the image, smaller / larger axis (variances)
+  double max_error_ratio = 5.0;        // RMS over the inliers, as a multiple of what the camera's noise makes expected
+  double rival_share = 0.35;           // ambiguous: another motion has this share of the clique's support
+  double max_contradiction = 0.14;     // or more than this share of the picture moved otherwise
+  double max_running_ground = 4.0;     // change of surfaces beyond what left and right differ, times their scatter
+  double max_uncertainty = 0.1;        // standard deviation of a motion, as a share of it
 
   int min_mover_points = 6;  // matches that a thing must have to be told from the world
 

@@ -47,11 +47,14 @@ struct MotionState {
   double fx, fy, cx, cy, fx_baseline, doffs;
   double weight_px, weight_d, variance_d;  // 1 / sigma^2 of positions and disparities, sigma^2 of disparities
   double huber, min_depth;
+  double shift;  // taken off the current frame's disparities, px
 };
 struct MotionSums {
   double H[21];  // upper triangle, row by row, of the perturbation [translation, rotation] on the right
   double g[6];
   double offset_h[6], offset_hh, offset_g;  // the same with an error common to all disparities
+  double shift_h[6], shift_hh, shift_g;     // and with one common to those of the current frame alone
+  double shift_offset;                      // of these two together
   double cost;
 };
 

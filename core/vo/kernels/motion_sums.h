@@ -143,15 +143,27 @@ template <class V>
 }
 
 // One way's sums, of a perturbation (r, w) of the projected point y: dy = r + w x y. H: upper triangle, row by row.
+// h: with the error common to all disparities; s: with that of the current frame's.
 template <class V>
 struct WaySums {
-  V H[21], g[6], h[6];
+  V H[21], g[6], h[6], s[6];
   WaySums() {
     for (V& v : H) v = all<V>(0.0);
     for (V& v : g) v = all<V>(0.0);
     for (V& v : h) v = all<V>(0.0);
+    for (V& v : s) v = all<V>(0.0);
   }
 };
+
+// Both ways' sums of the two errors of the disparities.
+template <class V>
+struct ErrorSums {
+  V hh = all<V>(0.0), g = all<V>(0.0);   // of all disparities
+  V ss = all<V>(0.0), sg = all<V>(0.0);  // of the current frame's
+  V sh = all<V>(0.0);                    // of both together
+};
+
+enum class Way { to_current, to_reference };
 
 template <class V>
 inline void cross(const V* v, const V* y, V* out) {
@@ -160,10 +172,10 @@ inline void cross(const V* v, const V* y, V* out) {
   out[2] = v[0] * y[1] - v[1] * y[0];
 }
 
-// Adds weight * (A^T W A, A^T W e) and the same for the disparity offset; A = J D, where D v = r + w x y.
-template <class V>
+// Adds weight * (A^T W A, A^T W e) and the same for the disparities' errors; A = J D, where D v = r + w x y.
+template <Way kWay, class V>
 [[gnu::always_inline]] inline void add_way(const MotionState& c, const OneWay<V>& o, const V* y, V weight,
-                                           WaySums<V>& sums, V& hh, V& og) {
+                                           WaySums<V>& sums, ErrorSums<V>& errors) {
   const V zero = all<V>(0.0);
   const V wp = all<V>(c.weight_px) * weight;
   const V wd = all<V>(c.weight_d) * weight;
@@ -172,18 +184,35 @@ template <class V>
   const V jwa = o.wj[0] * offset[0] + o.wj[1] * offset[1] + o.wj[2] * offset[2];
   const V sjwa = s * jwa;
   const V wa[3] = {wp * offset[0] - sjwa * o.wj[0], wp * offset[1] - sjwa * o.wj[1], wd * offset[2] - sjwa * o.wj[2]};
-  hh = hh + (offset[0] * wa[0] + offset[1] * wa[1] + offset[2] * wa[2]);
-  og = og + (o.e[0] * wa[0] + o.e[1] * wa[1] + o.e[2] * wa[2]);
+  errors.hh = errors.hh + (offset[0] * wa[0] + offset[1] * wa[1] + offset[2] * wa[2]);
+  errors.g = errors.g + (o.e[0] * wa[0] + o.e[1] * wa[1] + o.e[2] * wa[2]);
+  // The current frame's disparities are what is observed on the one way, and what is projected on the other.
+  V ws[3];
+  if constexpr (kWay == Way::to_current) {
+    const V swj = s * o.wj[2];
+    ws[0] = zero - swj * o.wj[0], ws[1] = zero - swj * o.wj[1], ws[2] = wd - swj * o.wj[2];
+    errors.ss = errors.ss + ws[2];
+    errors.sg = errors.sg + o.we[2] * weight;
+    errors.sh = errors.sh + wa[2];
+  } else {
+    const V jwj = o.wj[0] * o.j[0] + o.wj[1] * o.j[1] + o.wj[2] * o.j[2];
+    const V sjwj = s * jwj;
+    ws[0] = sjwj * o.wj[0] - wp * o.j[0], ws[1] = sjwj * o.wj[1] - wp * o.j[1], ws[2] = sjwj * o.wj[2] - wd * o.j[2];
+    errors.ss = errors.ss - (o.j[0] * ws[0] + o.j[1] * ws[1] + o.j[2] * ws[2]);
+    errors.sg = errors.sg - (o.j[0] * o.we[0] + o.j[1] * o.we[1] + o.j[2] * o.we[2]) * weight;
+    errors.sh = errors.sh - (o.j[0] * wa[0] + o.j[1] * wa[1] + o.j[2] * wa[2]);
+  }
   // J^T times a vector.
   const auto back = [&](V v0, V v1, V v2, V(&out)[3]) {
     out[0] = o.a * v0;
     out[1] = o.b * v1;
     out[2] = zero - (o.ax * v0 + o.by * v1 + o.c * v2);
   };
-  V q[3], gy[3], hy[3], turned[3];
+  V q[3], gy[3], hy[3], sy[3], turned[3];
   back(o.wj[0], o.wj[1], o.wj[2], q);
   back(o.we[0] * weight, o.we[1] * weight, o.we[2] * weight, gy);
   back(wa[0], wa[1], wa[2], hy);
+  back(ws[0], ws[1], ws[2], sy);
   // B = J^T W J
   const V sq[3] = {s * q[0], s * q[1], s * q[2]};
   const V wa0 = wp * o.a, wb1 = wp * o.b, wax = wp * o.ax, wby = wp * o.by;
@@ -219,11 +248,12 @@ template <class V>
   };
   add(gy, sums.g);
   add(hy, sums.h);
+  add(sy, sums.s);
 }
 
 // Adds the sums of a perturbation v to those of u, where v = F u; F is 6 x 6.
 inline void add_transformed(const double (&F)[6][6], const double (&H)[21], const double (&g)[6], const double (&h)[6],
-                            MotionSums& out) {
+                            const double (&s)[6], MotionSums& out) {
   double full[6][6], HF[6][6];
   int n = 0;
   for (int r = 0; r < 6; ++r) {
@@ -243,24 +273,28 @@ inline void add_transformed(const double (&F)[6][6], const double (&H)[21], cons
     for (int i = 0; i < 6; ++i) {
       out.g[r] += F[i][r] * g[i];
       out.offset_h[r] += F[i][r] * h[i];
+      out.shift_h[r] += F[i][r] * s[i];
     }
   }
 }
 
 template <class V>
 inline void add_sums(const double (&F)[6][6], const WaySums<V>& sums, MotionSums& out) {
-  double H[21], g[6], h[6];
+  double H[21], g[6], h[6], s[6];
   for (int i = 0; i < 21; ++i) H[i] = sum_lanes(sums.H[i]);
   for (int i = 0; i < 6; ++i) g[i] = sum_lanes(sums.g[i]);
   for (int i = 0; i < 6; ++i) h[i] = sum_lanes(sums.h[i]);
-  add_transformed(F, H, g, h, out);
+  for (int i = 0; i < 6; ++i) s[i] = sum_lanes(sums.s[i]);
+  add_transformed(F, H, g, h, s, out);
 }
 
 template <class V>
 void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& out) {
   const V zero = all<V>(0.0);
   WaySums<V> of_cur, of_ref;
-  V hh = zero, og = zero, cost = zero;
+  ErrorSums<V> errors;
+  V cost = zero;
+  const V shift = all<V>(c.shift);
   const V near = all<V>(c.min_depth);
   const V one = all<V>(1.0);
   const V half = all<V>(0.5);
@@ -269,13 +303,15 @@ void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& 
     const auto field = [&](int f) { return load<V>(terms.field[f] + i); };
     const V q[3] = {field(kQx), field(kQy), field(kQz)};
     const V dq[3] = {field(kDx), field(kDy), field(kDz)};
-    const V p[3] = {field(kPx), field(kPy), field(kPz)};
-    const V cur[3] = {field(kCurU), field(kCurV), field(kCurD)};
+    // The current frame's disparities without their common error: its points move along their rays.
+    const V farther = one / (one - shift * field(kInverseD));
+    const V p[3] = {field(kPx) * farther, field(kPy) * farther, field(kPz) * farther};
+    const V cur[3] = {field(kCurU), field(kCurV), field(kCurD) - shift};
     const V ref[3] = {field(kRefU), field(kRefV), field(kRefD)};
     const V active = field(kActive);
     V y[3], k[3], z[3], l[3];
     const V d[3] = {q[0] - all<V>(c.t[0]), q[1] - all<V>(c.t[1]), q[2] - all<V>(c.t[2])};
-    const V inverse_d = field(kInverseD);
+    const V inverse_d = field(kInverseD) * farther;
     for (int r = 0; r < 3; ++r) {
       const V r0 = all<V>(c.R[0][r]), r1 = all<V>(c.R[1][r]), r2 = all<V>(c.R[2][r]);
       y[r] = r0 * d[0] + r1 * d[1] + r2 * d[2];
@@ -301,8 +337,8 @@ void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& 
     const V sigmas = square_root(squared);
     const V weight = half * good * select_less(huber, sigmas, huber / sigmas, one);
     cost = cost + active * select_less(huber, sigmas, huber * (sigmas + sigmas - huber), squared);
-    add_way(c, to_cur, y, weight, of_cur, hh, og);
-    add_way(c, to_ref, z, weight, of_ref, hh, og);
+    add_way<Way::to_current>(c, to_cur, y, weight, of_cur, errors);
+    add_way<Way::to_reference>(c, to_ref, z, weight, of_ref, errors);
   }
   // The perturbation (t, w) of T on the right moves y = R^T (q - t') by -t - w x y, and z = M p + m by
   // M t + (M w) x (z - m).
@@ -317,8 +353,11 @@ void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& 
     }
   }
   add_sums(F, of_ref, out);
-  out.offset_hh += sum_lanes(hh);
-  out.offset_g += sum_lanes(og);
+  out.offset_hh += sum_lanes(errors.hh);
+  out.offset_g += sum_lanes(errors.g);
+  out.shift_hh += sum_lanes(errors.ss);
+  out.shift_g += sum_lanes(errors.sg);
+  out.shift_offset += sum_lanes(errors.sh);
   out.cost += sum_lanes(cost);
 }
 

@@ -34,7 +34,7 @@ Motion motion_of(const std::vector<Observation>& all) {
   std::vector<Observation> members;
   for (const int i : clique) members.push_back(all[static_cast<std::size_t>(i)]);
   return MotionSolver(kModel, params)
-      .solve_tightening(members, {RigidTransform{}}, start, params.match_sigma_px, params.match_disparity_sigma_px);
+      .solve_tightening(members, {RigidTransform{}}, start, {params.match_sigma_px, params.match_disparity_sigma_px});
 }
 
 class FalseMatches : public testing::TestWithParam<int> {};

@@ -233,6 +233,7 @@ TEST_P(VoKernels, SumTheReferencesNormalEquationsToTheBit) {
     }
     state.fx = state.fy = 3.0, state.cx = state.cy = 2.0, state.fx_baseline = 1.0, state.doffs = 0.5;
     state.weight_px = 2.0, state.weight_d = 1.0, state.variance_d = 1.0, state.huber = 1.5, state.min_depth = 1e-3;
+    state.shift = 0.01;
     MotionSums sa{}, sb{};
     const auto run = [&](const Kernels& k, std::vector<double>& storage, MotionSums& sums) {
       for (std::size_t f = 0; f < kMotionFields; ++f) terms.field[f] = storage.data() + f * 400;

@@ -52,7 +52,7 @@ TEST(Motion, IsExactOnExactObservationsWhateverTheStart) {
   for (int trial = 0; trial < 20; ++trial) {
     const RigidTransform T = some_motion(rng, 1.0);
     std::vector<Observation> observations = observe(T, 60, 0, 0.0, rng);
-    const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {}, 0.3, 0.3);
+    const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {}, {0.3, 0.3});
     ASSERT_TRUE(m.converged);
     EXPECT_LT(left_difference(T, m.T_prev_cur).norm(), kExact);
     EXPECT_EQ(m.inliers, 60);
@@ -66,7 +66,7 @@ TEST(Motion, DropsWrongMatchesAndStaysWithinItsCovariance) {
   for (int trial = 0; trial < trials; ++trial) {
     const RigidTransform T = some_motion(rng, 0.5);
     std::vector<Observation> observations = observe(T, 120, 12, 0.3, rng);
-    const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {}, 0.3, 0.3);
+    const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {}, {0.3, 0.3});
     ASSERT_TRUE(m.converged);
     for (std::size_t i = 108; i < 120; ++i) EXPECT_FALSE(observations[i].inlier);
     const Vector6d e = left_difference(m.T_prev_cur, T);
@@ -84,7 +84,7 @@ TEST(Motion, TwoReferencesAgreeOnOneMotion) {
   std::vector<Observation> observations = observe(T_prev_cur, 40, 0, 0.0, rng, 0);
   const std::vector<Observation> more = observe(T_prev_key.inverse() * T_prev_cur, 40, 0, 0.0, rng, 1);
   observations.insert(observations.end(), more.begin(), more.end());
-  const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}, T_prev_key}, {}, 0.3, 0.3);
+  const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}, T_prev_key}, {}, {0.3, 0.3});
   ASSERT_TRUE(m.converged);
   EXPECT_LT(left_difference(T_prev_cur, m.T_prev_cur).norm(), kExact);
   EXPECT_EQ(m.inliers, 80);
@@ -101,9 +101,36 @@ TEST(Motion, BesideAKeptReferenceThePreviousFrameCountsForAQuarter) {
   points.seed(5);  // the same points
   const std::vector<Observation> more = observe(seen_from_key, 100, 0, 0.0, points, 1);
   observations.insert(observations.end(), more.begin(), more.end());
-  const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}, RigidTransform{}}, {}, 0.3, 0.3);
+  const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}, RigidTransform{}}, {}, {0.3, 0.3});
   ASSERT_TRUE(m.converged);
   EXPECT_NEAR(m.T_prev_cur.t.x(), seen_from_previous.t.x() + 0.0008, 1e-5);
+}
+
+// A rig that flexes shifts all disparities of a frame: solved for together with the motion where it is expected.
+TEST(Motion, ACommonShiftOfTheCurrentDisparitiesIsSolvedForBesideTheMotion) {
+  std::mt19937 rng(6);
+  const RigidTransform T = some_motion(rng, 0.5);
+  std::vector<Observation> observations = observe(T, 120, 0, 0.0, rng);
+  for (Observation& o : observations) o.uvd_cur.z() += 1.2;
+  std::vector<Observation> again = observations;
+  const Motion with = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {}, {0.3, 0.3, 1e3});
+  ASSERT_TRUE(with.converged);
+  EXPECT_NEAR(with.shift_px, 1.2, 1e-3);
+  EXPECT_LT(left_difference(T, with.T_prev_cur).norm(), 1e-3);
+  const Motion without = MotionSolver(kModel, {}).solve(again, {RigidTransform{}}, {}, {0.3, 0.3});
+  EXPECT_EQ(without.shift_px, 0.0);
+  EXPECT_GT(left_difference(T, without.T_prev_cur).norm(), 10.0 * left_difference(T, with.T_prev_cur).norm());
+}
+
+TEST(Motion, AStiffRigsPriorKeepsTheShiftAtZeroButItsReadingIsFree) {
+  std::mt19937 rng(7);
+  const RigidTransform T = some_motion(rng, 0.5);
+  std::vector<Observation> observations = observe(T, 120, 0, 0.0, rng);
+  for (Observation& o : observations) o.uvd_cur.z() += 0.4;
+  const Motion m = MotionSolver(kModel, {}).solve(observations, {RigidTransform{}}, {}, {0.3, 0.3, 1e-3});
+  ASSERT_TRUE(m.converged);
+  EXPECT_LT(std::abs(m.shift_px), 0.02);
+  EXPECT_NEAR(m.free_shift_px, 0.4, 0.1);
 }
 
 TEST(Motion, ClosedFormAlignmentIsExactAndRefusesALine) {
@@ -132,7 +159,7 @@ TEST(Motion, ClosedFormAlignmentIsExactAndRefusesALine) {
 
 TEST(Motion, WithoutObservationsThereIsNoMotionAndNoNan) {
   std::vector<Observation> none;
-  const Motion m = MotionSolver(kModel, {}).solve(none, {RigidTransform{}}, {}, 0.3, 0.3);
+  const Motion m = MotionSolver(kModel, {}).solve(none, {RigidTransform{}}, {}, {0.3, 0.3});
   EXPECT_FALSE(m.converged);
   EXPECT_TRUE(m.covariance.allFinite());
   EXPECT_TRUE(m.T_prev_cur.is_finite());

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The checks on a frame's motion as data: what was found, what was allowed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+namespace cliquevo::vo {
+
+enum class Check : std::uint8_t {
+  inliers,         // too few features moved as one
+  spread,          // they lie nearly on a line
+  positions,       // they scatter about the motion more than this camera's noise
+  disparities,     // their disparities do
+  contradiction,   // parts of the picture moved otherwise
+  running_ground,  // surfaces change from frame to frame, as water does
+  hanging_camera,  // one camera moves, the other one stands
+  found_again,     // after a suspicious frame: too few features found
+  rival,           // a second motion is as well supported
+  uncertainty,     // the covariance says that the motion is hardly known
+  count
+};
+inline constexpr std::size_t kChecks = static_cast<std::size_t>(Check::count);
+// "running ground"
+const char* check_name(Check check);
+
+struct Evidence {
+  double value = 0.0;
+  double bound = 0.0;
+  bool applies = false;
+  bool fails() const { return applies && !(value <= bound); }
+  // value / bound: above 1 fails; 0 where the check does not apply.
+  double ratio() const { return applies ? (bound > 0.0 ? value / bound : (value > 0.0 ? 1e9 : 0.0)) : 0.0; }
+};
+
+class Checks {
+ public:
+  Evidence& operator[](Check check) { return evidence_[static_cast<std::size_t>(check)]; }
+  const Evidence& operator[](Check check) const { return evidence_[static_cast<std::size_t>(check)]; }
+  // Bit k: check k failed.
+  std::uint32_t failed() const {
+    std::uint32_t mask = 0;
+    for (std::size_t k = 0; k < kChecks; ++k) mask |= evidence_[k].fails() ? 1U << k : 0U;
+    return mask;
+  }
+
+ private:
+  std::array<Evidence, kChecks> evidence_{};
+};
+
+}  // namespace cliquevo::vo

@@ -1,0 +1,258 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Each check beside its bound, from made observations; and the verdict that follows.
+#include "core/vo/checks.h"
+
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "core/vo/uncertainty.h"
+#include "core/vo/verdict.h"
+
+namespace cliquevo::vo {
+namespace {
+
+const StereoModel kModel{320, 240, 300.0, 300.0, 159.5, 119.5, 0.2, 0.0};
+
+// Inliers on a grid, seen again where they were.
+struct Seen {
+  explicit Seen(int count = 40) : references(1), observations(static_cast<std::size_t>(count)) {
+    for (std::size_t i = 0; i < observations.size(); ++i) {
+      const double x = 40.0 + 30.0 * static_cast<double>(i % 8);
+      const double y = 40.0 + 30.0 * static_cast<double>(i / 8);
+      observations[i].uvd_ref = observations[i].uvd_cur = {x, y, 10.0};
+      observations[i].change = observations[i].difference = 0.05F;
+    }
+    motion.converged = true;
+    motion.inliers = count;
+    motion.error_px = 0.1;
+  }
+  Findings findings() const { return {motion, observations, references, kModel, 100, covered}; }
+
+  std::vector<RigidTransform> references;
+  std::vector<Observation> observations;
+  Motion motion;
+  double covered = 1.0;
+  VoParams params;
+  CameraNoise noise;
+  Caution caution;
+  std::vector<float> scratch;
+};
+
+// What a rough camera's views show: patches that scatter by so much across the rows.
+CameraNoise rough(double scatter_px) {
+  CameraNoise noise;
+  Frame frame{VoParams{}};
+  frame.row_scatter_px = scatter_px;
+  frame.grey_scatter = 12.0;
+  for (int i = 0; i < 200; ++i) noise.add_views(frame);
+  return noise;
+}
+
+TEST(Checks, TooFewInliersFail) {
+  Seen seen;
+  EXPECT_FALSE(check_inliers(seen.findings(), seen.params).fails());
+  seen.motion.inliers = seen.params.min_inliers - 1;
+  EXPECT_TRUE(check_inliers(seen.findings(), seen.params).fails());
+}
+
+TEST(Checks, InliersOnALineFail) {
+  Seen seen;
+  EXPECT_FALSE(check_spread(seen.findings(), seen.params).fails());
+  for (Observation& o : seen.observations) o.uvd_cur.y() = 100.0;
+  EXPECT_TRUE(check_spread(seen.findings(), seen.params).fails());
+}
+
+TEST(Checks, TheSameScatterFailsForACleanCameraAndNotForARoughOne) {
+  Seen seen;
+  seen.motion.error_px = 1.5;
+  EXPECT_TRUE(check_positions(seen.findings(), rough(0.05), seen.params).fails());
+  EXPECT_FALSE(check_positions(seen.findings(), rough(0.3), seen.params).fails());
+}
+
+TEST(Checks, DisparitiesThatDoNotFitTheMotionFail) {
+  Seen seen;
+  for (std::size_t i = 0; i < seen.observations.size(); ++i)
+    seen.observations[i].uvd_cur.z() += i % 2 == 0 ? 1.0 : -1.0;
+  seen.observations.back().inlier = false;
+  seen.observations.back().uvd_cur.z() = 40.0;
+  EXPECT_NEAR(disparity_error_px(seen.findings()), 1.0, 1e-9) << "outliers do not count";
+  EXPECT_TRUE(check_disparities(seen.findings(), rough(0.05), seen.params).fails());
+  EXPECT_FALSE(check_disparities(seen.findings(), rough(0.3), seen.params).fails());
+}
+
+TEST(Checks, ACommonShiftThatWasSolvedForIsNoErrorOfTheDisparities) {
+  Seen seen;
+  for (Observation& o : seen.observations) o.uvd_cur.z() += 2.0;
+  seen.motion.shift_px = 2.0;
+  EXPECT_NEAR(disparity_error_px(seen.findings()), 0.0, 1e-9);
+}
+
+TEST(Checks, ASmallPartOfThePictureMustFitBetter) {
+  Seen seen;
+  for (std::size_t i = 0; i < seen.observations.size(); ++i)
+    seen.observations[i].uvd_cur.z() += i % 2 == 0 ? 0.6 : -0.6;
+  const CameraNoise noise = rough(0.05);
+  EXPECT_FALSE(check_disparities(seen.findings(), noise, seen.params).fails());
+  seen.covered = 0.1;
+  EXPECT_TRUE(check_disparities(seen.findings(), noise, seen.params).fails());
+}
+
+TEST(Checks, ContradictionIsAShareOfTheCellsThatVoted) {
+  Seen seen;
+  CellVotes votes;
+  votes.cells = 120;
+  votes.agree = 80;
+  votes.contradict = 10;
+  EXPECT_FALSE(check_contradiction(votes, seen.caution, seen.params).fails());
+  votes.contradict = 20;
+  EXPECT_TRUE(check_contradiction(votes, seen.caution, seen.params).fails());
+}
+
+TEST(Checks, SurfacesThatChangeMoreThanLeftAndRightDifferAreRunningGround) {
+  Seen seen;
+  seen.motion.error_px = 0.33;
+  for (Observation& o : seen.observations) o.change = 0.15F, o.difference = 0.03F;
+  EXPECT_TRUE(check_running_ground(seen.findings(), rough(0.06), seen.caution, seen.params, seen.scratch).fails());
+  // Blur and compression change the picture of both cameras alike.
+  for (Observation& o : seen.observations) o.change = 0.12F, o.difference = 0.065F;
+  EXPECT_FALSE(check_running_ground(seen.findings(), rough(0.25), seen.caution, seen.params, seen.scratch).fails());
+}
+
+TEST(Checks, UnequalCamerasAreNoRunningGround) {
+  Seen seen;
+  for (Observation& o : seen.observations) o.change = 0.01F, o.difference = 0.2F;
+  EXPECT_EQ(check_running_ground(seen.findings(), seen.noise, seen.caution, seen.params, seen.scratch).value, 0.0);
+}
+
+TEST(Checks, ACameraThatRepeatsItsLastImageHangs) {
+  Seen seen;
+  // The left image moves by 8 px, the right one stands: disparities follow the left one.
+  for (Observation& o : seen.observations) o.uvd_cur.x() += 8.0, o.uvd_cur.z() += 8.0;
+  EXPECT_TRUE(check_hanging_camera(seen.findings(), seen.noise, seen.scratch).fails());
+  for (Observation& o : seen.observations) o.uvd_cur.z() -= 8.0;
+  EXPECT_FALSE(check_hanging_camera(seen.findings(), seen.noise, seen.scratch).fails());
+  Seen standing;
+  EXPECT_FALSE(check_hanging_camera(standing.findings(), standing.noise, standing.scratch).applies);
+}
+
+TEST(Checks, AGoodShareOfTheFeaturesMustBeFoundAndMoreUnderCaution) {
+  Seen seen(20);  // of 100
+  EXPECT_FALSE(check_found_again(seen.findings(), seen.caution).fails());
+  Checks running;
+  running[Check::running_ground] = {2.0, 1.0, true};
+  seen.caution.learn(running);
+  EXPECT_TRUE(check_found_again(seen.findings(), seen.caution).fails());
+  Seen few(5);
+  EXPECT_TRUE(check_found_again(few.findings(), few.caution).fails());
+}
+
+TEST(Checks, AMotionKnownToAFifthOfItselfIsWeak) {
+  Seen seen;
+  seen.motion.T_prev_cur.t.z() = 1.0;
+  Matrix6d covariance = Matrix6d::Identity() * 1e-4;
+  EXPECT_FALSE(check_uncertainty(seen.findings(), covariance, seen.params).fails());
+  covariance *= 400.0;
+  Checks checks;
+  checks[Check::uncertainty] = check_uncertainty(seen.findings(), covariance, seen.params);
+  EXPECT_EQ(verdict(checks), Status::weak);
+  EXPECT_LT(quality(checks), 50);
+}
+
+TEST(Checks, WhoStandsIsKnownByTheDistanceOfWhatIsSeen) {
+  Seen seen;  // at 6 m
+  EXPECT_FALSE(check_uncertainty(seen.findings(), Matrix6d::Identity() * 1e-5, seen.params).fails());
+  EXPECT_TRUE(check_uncertainty(seen.findings(), Matrix6d::Identity() * 1e-3, seen.params).fails());
+}
+
+TEST(Verdict, FollowsTheFirstCheckThatFails) {
+  Checks checks;
+  EXPECT_EQ(verdict(checks), Status::valid);
+  checks[Check::uncertainty] = {2.0, 1.0, true};
+  EXPECT_EQ(verdict(checks), Status::weak);
+  checks[Check::rival] = {2.0, 1.0, true};
+  EXPECT_EQ(verdict(checks), Status::ambiguous);
+  checks[Check::positions] = {2.0, 1.0, true};
+  EXPECT_EQ(verdict(checks), Status::reprojection_error);
+  checks[Check::inliers] = {std::nan(""), 1.0, true};
+  EXPECT_EQ(verdict(checks), Status::too_few_features) << "not a number is no pass";
+  EXPECT_EQ(checks.failed(), 1U << 0 | 1U << 2 | 1U << 8 | 1U << 9);
+}
+
+TEST(Verdict, EveryCheckHasANameOfItsOwn) {
+  for (std::size_t k = 0; k < kChecks; ++k) {
+    EXPECT_STRNE(check_name(static_cast<Check>(k)), "unknown");
+    for (std::size_t j = 0; j < k; ++j) {
+      EXPECT_STRNE(check_name(static_cast<Check>(k)), check_name(static_cast<Check>(j)));
+    }
+  }
+}
+
+TEST(Caution, LastsUntilAValidFrameOrForThreeFrames) {
+  Caution caution;
+  EXPECT_EQ(caution.bound_scale(), 1.0);
+  Checks contradicted;
+  contradicted[Check::contradiction] = {0.2, 0.14, true};
+  caution.learn(contradicted);
+  for (int i = 0; i < 3; ++i) {
+    caution.next(false);
+    EXPECT_LT(caution.bound_scale(), 1.0) << i;
+  }
+  caution.next(false);
+  EXPECT_EQ(caution.bound_scale(), 1.0);
+  Checks running;
+  running[Check::running_ground] = {5.0, 4.0, true};
+  caution.learn(running);
+  for (int i = 0; i < 10; ++i) caution.next(false);
+  EXPECT_LT(caution.bound_scale(), 1.0);
+  caution.next(true);
+  EXPECT_EQ(caution.bound_scale(), 1.0);
+}
+
+TEST(Caution, IsRenewedByTheFullBoundOnly) {
+  Caution caution;
+  Checks contradicted;
+  contradicted[Check::contradiction] = {0.2, 0.14, true};
+  caution.learn(contradicted);
+  // Under caution half the bound is allowed, and 0.1 fails; but it is no reason for more caution.
+  contradicted[Check::contradiction] = {0.1, 0.07, true};
+  for (int i = 0; i < 4; ++i) {
+    caution.learn(contradicted);
+    caution.next(false);
+  }
+  EXPECT_EQ(caution.bound_scale(), 1.0);
+}
+
+TEST(Uncertainty, GrowsWithNoiseCoverageAndLight) {
+  Seen seen;
+  seen.motion.covariance = Matrix6d::Identity();
+  const SelfCheck check(kModel, seen.params);
+  const double least = uncertainty(seen.findings(), false, seen.params, check, seen.scratch)(0, 0);
+  seen.motion.error_px = 1.0;
+  const double noisy = uncertainty(seen.findings(), false, seen.params, check, seen.scratch)(0, 0);
+  EXPECT_GT(noisy, 5.0 * least);
+  seen.covered = 0.5;
+  EXPECT_NEAR(uncertainty(seen.findings(), false, seen.params, check, seen.scratch)(0, 0), 4.0 * noisy, 0.2 * noisy);
+  seen.covered = 1.0;
+  for (std::size_t i = 0; i < seen.observations.size(); ++i) seen.observations[i].brighter = i % 3 == 0 ? 30.0F : 0.0F;
+  EXPECT_GT(uncertainty(seen.findings(), false, seen.params, check, seen.scratch)(0, 0), 3.0 * noisy);
+}
+
+TEST(Uncertainty, OfAMotionThatTakesBackTheErrorBefore) {
+  const Matrix6d now = Matrix6d::Identity();
+  EXPECT_EQ(with_error_taken_back(now, 0.5 * now), now) << "the previous frame was known better";
+  EXPECT_NEAR(with_error_taken_back(now, 4.0 * now)(0, 0), 1.0 + 0.75 * 4.0, 1e-12);
+}
+
+TEST(Uncertainty, QualityIsFiftyWhereTheMotionIsJustKnownWellEnough) {
+  Checks checks;
+  EXPECT_EQ(quality(checks), 0);
+  checks[Check::uncertainty] = {1.0, 1.0, true};
+  EXPECT_EQ(quality(checks), 50);
+  checks[Check::uncertainty] = {0.1, 1.0, true};
+  EXPECT_EQ(quality(checks), 99);
+}
+
+}  // namespace
+}  // namespace cliquevo::vo
