@@ -47,7 +47,7 @@ constexpr CameraSet kSets[] = {
      .readout_ms = 16.0,
      .sway_deg = 2.0},
     // Against hard sunlight the one camera's exposure settles a little above the other's.
-    {.name = "sun", .sun_contrast = 2.2, .right_gain = 1.12, .right_gamma = 0.92, .right_bias = 4},
+    {.name = "sun", .sun_contrast = 2.5, .right_gain = 1.12, .right_gamma = 0.92, .right_bias = 4},
 };
 
 const CameraSet* find(const std::string& name) {

@@ -2,6 +2,7 @@
 #include "drivers/simulator/jpeg.h"
 
 #include <algorithm>
+#include <cmath>
 #include <csetjmp>
 #include <cstdio>
 #include <cstdlib>
@@ -88,7 +89,7 @@ bool decompress(const Compressed& from, ImageView<std::uint8_t> image) {
 int jpeg_quality_of(const SimulatorOptions& o, std::int64_t frame, int camera) {
   if (o.jpeg_quality <= 0) return 0;
   Random random(hash_cell(mix64(o.noise_seed ^ 0x6a706567ULL), frame, camera));
-  const auto off = static_cast<int>(random.uniform(-o.jpeg_spread, o.jpeg_spread + 1.0));
+  const auto off = static_cast<int>(std::floor(random.uniform(-o.jpeg_spread, o.jpeg_spread + 1.0)));
   return std::clamp(o.jpeg_quality + off, 1, 100);
 }
 
