@@ -81,6 +81,9 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("source.simulator.movers", simulator.movers);
   v.key("source.simulator.shadow", simulator.shadow);
   v.key("source.simulator.scene", simulator.scene);
+  v.key("source.simulator.railings", simulator.railings);
+  v.key("source.simulator.walls", simulator.walls);
+  v.key("source.simulator.glass", simulator.glass);
   v.key("source.simulator.fault", simulator.fault);
   v.key("source.simulator.fault_first", simulator.fault_first);
   v.key("source.simulator.fault_frames", simulator.fault_frames);

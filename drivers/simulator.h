@@ -36,6 +36,9 @@ struct SimulatorOptions {
   int movers = 0;                 // independently moving objects
   bool shadow = false;            // the robot's own shadow, moving with it
   std::string scene = "natural";  // natural; water: the ground's texture drifts; lorry: a mover fills most of the view
+  bool railings = false;          // even bars on the left of the way, without end
+  bool walls = false;             // a brick wall on its right
+  bool glass = false;             // panes there, which mirror something far away; the truth is the pane
   // what goes wrong: none, blank, noise (both images), frozen (right eye), covered (left eye), flare, night
   std::string fault = "none";
   std::int64_t fault_first = 0;    // frame of the render

@@ -266,10 +266,23 @@ void World::make_solids() {
       }
     }
   }
-  bin_first_x_ = static_cast<int>(std::floor((b.low.x() - kMarginM) / kBinM)) - 1;
-  bin_first_y_ = static_cast<int>(std::floor((b.low.y() - kMarginM) / kBinM)) - 1;
-  bin_columns_ = static_cast<int>(std::ceil((b.high.x() + kMarginM) / kBinM) - bin_first_x_) + 2;
-  bin_rows_ = static_cast<int>(std::ceil((b.high.y() + kMarginM) / kBinM) - bin_first_y_) + 2;
+  const auto natural = static_cast<std::ptrdiff_t>(solids_.size());
+  if (options_.railings) make_railing();
+  if (options_.walls || options_.glass) make_walls();
+  // They are made along the whole way: what no camera of this run can see goes.
+  const auto unseen = [&](const Solid& s) {
+    const Eigen::Array2d at = s.center.head<2>();
+    return (at < b.low.array() - kMarginM).any() || (at > b.high.array() + kMarginM).any();
+  };
+  solids_.erase(std::remove_if(solids_.begin() + natural, solids_.end(), unseen), solids_.end());
+  bin_solids(b.low, b.high);
+}
+
+void World::bin_solids(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  bin_first_x_ = static_cast<int>(std::floor((low.x() - kMarginM) / kBinM)) - 1;
+  bin_first_y_ = static_cast<int>(std::floor((low.y() - kMarginM) / kBinM)) - 1;
+  bin_columns_ = static_cast<int>(std::ceil((high.x() + kMarginM) / kBinM) - bin_first_x_) + 2;
+  bin_rows_ = static_cast<int>(std::ceil((high.y() + kMarginM) / kBinM) - bin_first_y_) + 2;
   bins_.resize(static_cast<std::size_t>(bin_columns_) * bin_rows_);
   for (std::size_t n = 0; n < solids_.size(); ++n) {
     const auto x = static_cast<int>(std::floor(solids_[n].center.x() / kBinM)) - bin_first_x_;

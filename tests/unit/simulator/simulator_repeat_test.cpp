@@ -167,6 +167,8 @@ TEST(Simulator, ScenesDiffer) {
   const Frames natural = run(small(""));
   EXPECT_NE(natural.pixels, run(small("scene=water")).pixels);
   EXPECT_NE(natural.pixels, run(small("scene=lorry")).pixels);
+  for (const char* beside : {"railings=on", "walls=on", "glass=on"})
+    EXPECT_NE(natural.pixels, run(small(beside)).pixels) << beside;
 }
 
 TEST(Simulator, StandingCameraHasIdentityTruth) {
