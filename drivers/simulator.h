@@ -36,6 +36,9 @@ struct SimulatorOptions {
   int movers = 0;                 // independently moving objects
   bool shadow = false;            // the robot's own shadow, moving with it
   std::string scene = "natural";  // natural; water: the ground's texture drifts; lorry: a mover fills most of the view
+  bool railings = false;          // even bars on the left of the way, without end
+  bool walls = false;             // a brick wall on its right
+  bool glass = false;             // panes there, which mirror something far away; the truth is the pane
   // what goes wrong: none, blank, noise (both images), frozen (right eye), covered (left eye), flare, night
   std::string fault = "none";
   std::int64_t fault_first = 0;    // frame of the render
@@ -46,6 +49,21 @@ struct SimulatorOptions {
   bool shot_noise = true;
   bool motion_blur = true;
   bool exposure_changes = true;
+  // rough cameras: a set by name, and its effects one by one; -1 = as the set says
+  std::string camera = "clean";  // clean, webcam, flexing, vibrating, action, sun
+  int jpeg_quality = -1;         // 1 (worst) to 100, 0 = not compressed
+  int jpeg_spread = -1;          // each picture's quality is off by up to so much
+  double defocus_px = -1.0;      // sigma of a Gaussian
+  double vibration_px = -1.0;    // longest blur of both cameras by shaking together, another in each frame
+  double readout_ms = -1.0;      // rolling shutter: from the first row to the last; 0 = all rows at once
+  double shake_px = -1.0;        // right camera on its mount: sigma of the disparity error that a frame has everywhere
+  double shake_rows_px = -1.0;   // and of the row error
+  double shake_hz = 15.0;        // how fast it shakes
+  double sun_contrast = -1.0;    // hard sun: contrast about a middle grey, with burnt-out and black parts; 1 = none
+  double right_gain = -1.0;      // response of the right camera beside the left one's: times,
+  double right_gamma = -1.0;     // to the power of,
+  double right_bias = -1.0;      // plus grey levels
+  double sway_deg = -1.0;        // further turning of the camera about all axes, sigma; part of the true motion
   // store
   std::string cache_dir;  // noise-free renders are kept here; empty = $CLIQUEVO_CACHE, else ~/.cache/cliquevo; "none" =
                           // no cache
@@ -55,10 +73,18 @@ struct SimulatorOptions {
   Result<void> check() const;
 };
 
+// Of a right camera that shakes on its mount: what is added to every disparity of a frame, and to every row in the
+// right picture.
+struct CameraShake {
+  double disparity_px = 0.0;
+  double rows_px = 0.0;
+};
+
 class Simulator : public FrameSource {
  public:
-  // Exact disparity of the last pair's rectified left image, px; NaN where there is none.
+  // Exact disparity of the last pair's rectified left image, px; NaN where there is none. Of the camera without shake.
   virtual ImageView<const float> truth_disparity() const = 0;
+  virtual CameraShake truth_shake() const = 0;
 };
 
 Result<std::unique_ptr<Simulator>> open_simulator(const SimulatorOptions& options);

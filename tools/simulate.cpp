@@ -76,9 +76,12 @@ class ContactSheet {
 
 Result<drivers::SimulatorOptions> to_options(const SimulateArguments& arguments) {
   drivers::SimulatorOptions options;
-  for (const auto& [key, value] : arguments.values) {
-    if (value.empty()) continue;
-    if (auto set = drivers::set_simulator_option(options, key, value); !set) return set.error();
+  // The camera first: whatever else is given overrides what its set says.
+  for (const bool camera : {true, false}) {
+    for (const auto& [key, value] : arguments.values) {
+      if (value.empty() || (key == "camera") != camera) continue;
+      if (auto set = drivers::set_simulator_option(options, key, value); !set) return set.error();
+    }
   }
   if (auto ok = options.check(); !ok) return ok.error();
   return options;

@@ -43,6 +43,10 @@ Course::Course(const SimulatorOptions& o)
   if (o.course == "turn") kind_ = Kind::turn;
   Random random(mix64(o.world_seed ^ 0xc0f5eULL));
   for (double& p : phase_) p = random.uniform(0.0, 2.0 * kPi);
+  sway_rad_ = std::max(o.sway_deg, 0.0) * kPi / 180.0;
+  Random swaying(mix64(o.world_seed ^ 0x73776179ULL));
+  for (auto& axis : sway_phase_)
+    for (double& p : axis) p = swaying.uniform(0.0, 2.0 * kPi);
   length_m_ = moves() ? step_m_ * static_cast<double>(o.frames) : 0.0;
   lap_m_ = std::numeric_limits<double>::infinity();
   if (kind_ == Kind::straight) return;
@@ -110,6 +114,17 @@ RigidTransform Course::T_world_body(double s, double extra_yaw) const {
   return T;
 }
 
+// Two swings about each axis of the camera, of deviation sway_rad_ together.
+Eigen::Matrix3d Course::sway(double time_s) const {
+  static constexpr double kHz[3][2] = {{1.7, 3.7}, {1.1, 2.9}, {0.9, 2.3}};
+  Eigen::Vector3d turn;
+  for (int k = 0; k < 3; ++k) {
+    turn[k] = sway_rad_ * (1.2 * std::sin(2.0 * kPi * kHz[k][0] * time_s + sway_phase_[k][0]) +
+                           0.75 * std::sin(2.0 * kPi * kHz[k][1] * time_s + sway_phase_[k][1]));
+  }
+  return so3_exp(turn);
+}
+
 RigidTransform Course::T_world_camera(double frame) const {
   const double time_s = frame / rate_hz_;
   const double s = moves() ? step_m_ * frame : 0.0;
@@ -140,6 +155,7 @@ RigidTransform Course::T_world_camera(double frame) const {
     const double yaw = 2.0 * kPi / 180.0 * (0.3 * frame + 4.0 * std::sin(0.05 * frame));
     T.R = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix() * T.R;
   }
+  if (sway_rad_ > 0.0) T.R = T.R * sway(time_s);
   return T;
 }
 

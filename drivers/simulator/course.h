@@ -25,12 +25,13 @@ class Course {
   double lap_m() const { return lap_m_; }
   double length_m() const { return length_m_; }  // driven in options.frames
   bool moves() const { return kind_ == Kind::wheeled || kind_ == Kind::walking || kind_ == Kind::straight; }
-  bool still() const { return kind_ == Kind::standing; }
+  bool still() const { return kind_ == Kind::standing && sway_rad_ <= 0.0; }
   const Terrain& terrain() const { return terrain_; }
 
  private:
   enum class Kind { wheeled, walking, standing, straight, turn };
   RigidTransform T_world_body(double s_m, double extra_yaw) const;
+  Eigen::Matrix3d sway(double time_s) const;
 
   Kind kind_ = Kind::wheeled;
   Terrain terrain_;
@@ -38,6 +39,8 @@ class Course {
   double lap_m_ = 0.0;
   double length_m_ = 0.0;
   double phase_[4] = {};
+  double sway_rad_ = 0.0;
+  double sway_phase_[3][2] = {};        // about x, y, z
   std::vector<Eigen::Vector2d> nodes_;  // positions every kNodeStep along the closed course
 };
 

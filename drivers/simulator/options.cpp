@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 
 #include "drivers/simulator.h"
+#include "drivers/simulator/camera_sets.h"
 
 namespace cliquevo::drivers {
 
@@ -79,6 +80,9 @@ constexpr Key kKeys[] = {
     CLIQUEVO_OPTION(movers, "number of boxes that drive about"),
     CLIQUEVO_OPTION(shadow, "the robot's own shadow"),
     CLIQUEVO_OPTION(scene, "natural, water (drifting texture), lorry (a mover fills most of the view)"),
+    CLIQUEVO_OPTION(railings, "a railing of even bars on the left of the way"),
+    CLIQUEVO_OPTION(walls, "a brick wall on the right of the way"),
+    CLIQUEVO_OPTION(glass, "glass panes on the right of the way, which mirror something far away"),
     CLIQUEVO_OPTION(fault, "none, blank, noise, frozen, covered, flare, night"),
     CLIQUEVO_OPTION(fault_first, "frame at which the fault begins"),
     CLIQUEVO_OPTION(fault_frames, "how many frames it lasts, -1 = to the end"),
@@ -87,6 +91,29 @@ constexpr Key kKeys[] = {
     CLIQUEVO_OPTION(shot_noise, "noise that grows with the light"),
     CLIQUEVO_OPTION(motion_blur, "3 ms of exposure"),
     CLIQUEVO_OPTION(exposure_changes, "drift and steps of the exposure"),
+    {"camera", "clean, webcam, flexing, vibrating, action, sun: a set of what follows, with its size and focal length",
+     false,
+     [](SimulatorOptions& o, std::string_view v) {
+       const bool known = sim::is_camera_set(std::string(v));
+       if (known) o.camera = v;
+       if (known) sim::take_camera_size(o);
+       return known;
+     }},
+    CLIQUEVO_OPTION(jpeg_quality, "1 (worst) to 100, 0 = not compressed, -1 = the camera's own"),
+    CLIQUEVO_OPTION(jpeg_spread, "each picture's quality is off by up to so much, -1 = the camera's own"),
+    CLIQUEVO_OPTION(defocus_px, "Gaussian blur, sigma, px, -1 = the camera's own"),
+    CLIQUEVO_OPTION(vibration_px,
+                    "longest blur by both cameras shaking, px, another in each frame, -1 = the camera's own"),
+    CLIQUEVO_OPTION(readout_ms, "rolling shutter, from the first row to the last, ms, -1 = the camera's own"),
+    CLIQUEVO_OPTION(shake_px,
+                    "right camera shaking: common disparity error of a frame, sigma, px, -1 = the camera's own"),
+    CLIQUEVO_OPTION(shake_rows_px, "and row error, sigma, px, -1 = the camera's own"),
+    CLIQUEVO_OPTION(shake_hz, "how fast it shakes, Hz"),
+    CLIQUEVO_OPTION(sun_contrast, "hard sun: times the contrast, burnt out and black beyond it, -1 = the camera's own"),
+    CLIQUEVO_OPTION(right_gain, "right camera's grey levels, times, -1 = the camera's own"),
+    CLIQUEVO_OPTION(right_gamma, "to the power of, -1 = the camera's own"),
+    CLIQUEVO_OPTION(right_bias, "plus, grey levels, -1 = the camera's own"),
+    CLIQUEVO_OPTION(sway_deg, "further turning of the camera, sigma, degrees, -1 = the camera's own"),
     CLIQUEVO_OPTION(cache_dir, "where renders are kept; none = nowhere"),
     CLIQUEVO_OPTION(cache_limit_gb, "size of the store, GB; what was not used for longest goes"),
     CLIQUEVO_OPTION(workers, "render threads, 0 = all cores"),
@@ -133,6 +160,19 @@ Result<void> SimulatorOptions::check() const {
       {"fault_first", static_cast<double>(fault_first), 0, 1e6},
       {"fault_frames", static_cast<double>(fault_frames), -1, 1e6},
       {"noise_sigma", noise_sigma, 0.0, 100.0},
+      {"jpeg_quality", static_cast<double>(jpeg_quality), -1, 100},
+      {"jpeg_spread", static_cast<double>(jpeg_spread), -1, 50},
+      {"defocus_px", defocus_px, -1.0, 8.0},
+      {"vibration_px", vibration_px, -1.0, 60.0},
+      {"readout_ms", readout_ms, -1.0, 100.0},
+      {"shake_px", shake_px, -1.0, 10.0},
+      {"shake_rows_px", shake_rows_px, -1.0, 10.0},
+      {"shake_hz", shake_hz, 0.01, 1000.0},
+      {"sun_contrast", sun_contrast, -1.0, 20.0},
+      {"right_gain", right_gain, -1.0, 4.0},
+      {"right_gamma", right_gamma, -1.0, 4.0},
+      {"right_bias", right_bias, -1.0, 100.0},
+      {"sway_deg", sway_deg, -1.0, 10.0},
       {"cache_limit_gb", cache_limit_gb, 0.0, 1e5},
       {"workers", static_cast<double>(workers), 0, 256},
   };
@@ -143,6 +183,7 @@ Result<void> SimulatorOptions::check() const {
   if (auto ok = one_of("course", course, kCourses); !ok) return ok;
   if (auto ok = one_of("scene", scene, kScenes); !ok) return ok;
   if (auto ok = one_of("fault", fault, kFaults); !ok) return ok;
+  if (!sim::is_camera_set(camera)) return bad("camera = " + camera, "use one of " + sim::camera_set_names());
   if (course == "straight" && step_m * static_cast<double>(frames) > 5000.0) {
     return bad(fmt::format("straight course of {} m", step_m * static_cast<double>(frames)),
                "use at most 5000 m, or the wheeled course, which has no end");
@@ -177,8 +218,10 @@ Result<void> set_simulator_option(SimulatorOptions& options, const std::string& 
   return bad(fmt::format("unknown key '{}'", name), "use one of " + names);
 }
 
-Result<SimulatorOptions> parse_simulator_options(const std::string& text) {
-  SimulatorOptions options;
+namespace {
+
+// The key "camera" alone, or all others.
+Result<void> set_all(SimulatorOptions& options, const std::string& text, bool camera) {
   std::string_view rest = text;
   while (!rest.empty()) {
     const std::size_t comma = rest.find(',');
@@ -188,8 +231,19 @@ Result<SimulatorOptions> parse_simulator_options(const std::string& text) {
     const std::size_t equals = item.find('=');
     const std::string key(item.substr(0, equals));
     const std::string value(equals == std::string_view::npos ? std::string_view() : item.substr(equals + 1));
+    if ((key == "camera") != camera) continue;
     if (auto set = set_simulator_option(options, key, value); !set) return set.error();
   }
+  return {};
+}
+
+}  // namespace
+
+Result<SimulatorOptions> parse_simulator_options(const std::string& text) {
+  SimulatorOptions options;
+  // The camera first: whatever else is given overrides what its set says, wherever it stands.
+  for (const bool camera : {true, false})
+    if (auto set = set_all(options, text, camera); !set) return set.error();
   if (const Result<void> checked = options.check(); !checked) return checked.error();
   return options;
 }

@@ -68,6 +68,41 @@ float light_on(const Eigen::Vector3d& normal) {
   return static_cast<float>(kAmbient * (0.85 + 0.15 * normal.z()) + kDiffuse * std::max(cosine, 0.0));
 }
 
+constexpr double kBlotchTexelM = 0.05;
+
+// What a pane shows: a picture of large blotches as far behind it as what it mirrors stands before it, and some of the
+// pane's own grey. p: on the pane, d: the ray, both in the pane's frame, whose y is its normal.
+float in_glass(const Solid& s, const Eigen::Vector3d& p, const Eigen::Vector3d& d, const Level& level) {
+  constexpr double kBehindM = 6.0;
+  const double steep = std::max(std::abs(d.y()), 0.05 * d.norm());
+  const Eigen::Vector3d seen = p + d * (kBehindM / steep);
+  const Eigen::Vector3f t = (seen / kBlotchTexelM).cast<float>() + s.texture_offset.cast<float>();
+  return std::clamp(s.albedo + 0.8F * trilinear(textures().stone, level, t), 5.0F, 250.0F);
+}
+
+// Share of [x - half, x + half] that lies in the first `part` of every `period`.
+double share_of_stripes(double x, double half, double period, double part) {
+  const auto before = [&](double v) {
+    const double whole = std::floor(v / period);
+    return whole * part + std::min(v - whole * period, part);
+  };
+  return (before(x + half) - before(x - half)) / (2.0 * half);
+}
+
+// Grey level beside that of a brick: bricks of 24 x 7 cm, each row half a brick further, with bright joints of 1 cm;
+// filtered by the pixel's footprint. p: on the face, metres along and up.
+float brick(double along, double up, double footprint_m) {
+  constexpr double kLength = 0.25;
+  constexpr double kHeight = 0.08;
+  constexpr double kJoint = 0.010;
+  const double half = std::max(0.5 * footprint_m, 5e-4);
+  const double flat = share_of_stripes(up, half, kHeight, kJoint);
+  const auto row = static_cast<std::int64_t>(std::floor(up / kHeight));
+  const double upright = share_of_stripes(along + (row & 1 ? 0.5 * kLength : 0.0), half, kLength, kJoint);
+  const double joint = 1.0 - (1.0 - flat) * (1.0 - upright);
+  return static_cast<float>(1.0 + 0.7 * joint);
+}
+
 }  // namespace
 
 void raster_solid(const Solid& s, const View& view, double level, Plane& inverse_depth, Plane* grey) {
@@ -104,7 +139,9 @@ void raster_solid(const Solid& s, const View& view, double level, Plane& inverse
   const auto per_texel = static_cast<float>(1.0 / s.texel_m);
   const Level coarse(level);
   const Level fine(level + kFineLevels);
+  const Level blotches(level - std::log2(kBlotchTexelM / s.texel_m));
   const Eigen::Vector3f offset = s.texture_offset.cast<float>();
+  const double footprint = 1.5 / view.focal_px;  // of a pixel and its lens, at depth 1
 
   for (int j = box.j0; j < box.j1; ++j) {
     float* w_row = inverse_depth.row(j);
@@ -152,7 +189,9 @@ void raster_solid(const Solid& s, const View& view, double level, Plane& inverse
       float detail = trilinear(stone, coarse, t);
       if (fine.weight > 0.0F) detail += fine.weight * trilinear(stone, fine, t * kFineScale);
       detail *= s.contrast / 40.0F;
-      const float lit = s.albedo * light * std::max(1.0F + detail, 0.1F);
+      float lit = s.albedo * light * std::max(1.0F + detail, 0.1F);
+      if (s.surface == Solid::Surface::brick) lit *= brick(p.x(), p.z() + s.half_size.z(), enter * footprint);
+      if (s.surface == Solid::Surface::glass) lit = in_glass(s, p, d, blotches);
       const auto haze = static_cast<float>(std::clamp((enter - kHazeBeginM) / (kViewRangeM - kHazeBeginM), 0.0, 1.0));
       const float soft = haze * haze * (3.0F - 2.0F * haze);
       grey->row(j)[i] = std::min(lit + soft * (kHazeGrey - lit), 255.0F);

@@ -156,6 +156,11 @@ std::string render_key(const SimulatorOptions& o) {
   add("shadow", o.shadow);
   add("scene", o.scene);
   add("motion_blur", o.motion_blur);
+  // Named only where it is there: stores made before it was know nothing of it.
+  if (o.sway_deg > 0.0) add("sway_deg", o.sway_deg);
+  if (o.railings) add("railings", o.railings);
+  if (o.walls) add("walls", o.walls);
+  if (o.glass) add("glass", o.glass);
   return key;
 }
 

@@ -18,6 +18,7 @@ namespace {
 // Electrons of a saturated pixel; a small machine-vision sensor.
 constexpr double kFullWell = 10000.0;
 constexpr int kNormalBits = 14;
+constexpr float kMiddleGrey = 110.0F;  // what hard sun leaves as it is
 
 // Standard normal deviates at the midpoints of 2^14 equal probabilities (bisection of the error function would do;
 // Newton on it is quicker). A draw is a lookup.
@@ -39,6 +40,29 @@ std::vector<float> normal_table() {
   }
   return table;
 }
+
+// How the right camera answers beside the left one: 255 gain (v / 255)^gamma + bias, in steps of a quarter grey level.
+class Response {
+ public:
+  Response(const SimulatorOptions& o, int eye)
+      : on_(eye == 1 && (o.right_gain != 1.0 || o.right_gamma != 1.0 || o.right_bias != 0.0)) {
+    if (!on_) return;
+    for (std::size_t i = 0; i < table_.size(); ++i) {
+      const double light = static_cast<double>(i) / (4.0 * 255.0);
+      table_[i] = static_cast<float>(255.0 * o.right_gain * std::pow(light, o.right_gamma) + o.right_bias);
+    }
+  }
+  float operator()(float v) const {
+    if (!on_) return v;
+    const float at = std::clamp(v, 0.0F, 255.0F) * 4.0F;
+    const auto i = std::min(static_cast<std::size_t>(at), table_.size() - 2);
+    return table_[i] + (at - static_cast<float>(i)) * (table_[i + 1] - table_[i]);
+  }
+
+ private:
+  bool on_;
+  std::array<float, 1021> table_{};
+};
 
 }  // namespace
 
@@ -69,6 +93,9 @@ void expose(const SimulatorOptions& o, std::int64_t frame, int eye, ImageView<co
     const double shot = o.shot_noise ? 0.25 * static_cast<double>(i) * 255.0 / kFullWell : 0.0;
     deviation[i] = static_cast<float>(std::sqrt(o.noise_sigma * o.noise_sigma + shot));
   }
+  const auto contrast = static_cast<float>(o.sun_contrast);
+  const bool hard_sun = o.sun_contrast >= 0.0 && o.sun_contrast != 1.0;
+  const Response response(o, eye);
   const bool noisy = o.noise_sigma > 0.0 || o.shot_noise;
   const std::uint64_t image_seed = hash_cell(mix64(o.noise_seed ^ 0x6e6f697365ULL), frame, eye);
   for (int j = 0; j < clean.height; ++j) {
@@ -77,14 +104,15 @@ void expose(const SimulatorOptions& o, std::int64_t frame, int eye, ImageView<co
     const std::uint64_t row_seed = mix64(image_seed + static_cast<std::uint64_t>(j) * 0x9e3779b97f4a7c15ULL);
     std::uint64_t bits = 0;
     for (int i = 0; i < clean.width; ++i) {
-      const float v = std::min(static_cast<float>(in[i]) * gain, 255.0F);
+      float v = std::min(static_cast<float>(in[i]) * gain, 255.0F);
+      if (hard_sun) v = std::clamp(kMiddleGrey + contrast * (v - kMiddleGrey), 0.0F, 255.0F);
       float noise = 0.0F;
       if (noisy) {
         if ((i & 3) == 0) bits = mix64(row_seed + static_cast<std::uint64_t>(i));
         noise = kNormal[bits & ((1U << kNormalBits) - 1U)] * deviation[static_cast<std::size_t>(v * 4.0F)];
         bits >>= 16;
       }
-      row[i] = static_cast<std::uint8_t>(std::clamp(v + noise + 0.5F, 0.0F, 255.0F));
+      row[i] = static_cast<std::uint8_t>(std::clamp(response(v + noise) + 0.5F, 0.0F, 255.0F));
     }
   }
 }

@@ -10,11 +10,14 @@
 
 #include <fmt/format.h>
 
+#include "drivers/simulator/camera_sets.h"
 #include "drivers/simulator/course.h"
 #include "drivers/simulator/fault.h"
+#include "drivers/simulator/jpeg.h"
 #include "drivers/simulator/raw_pair.h"
 #include "drivers/simulator/render_cache.h"
 #include "drivers/simulator/renderer.h"
+#include "drivers/simulator/rough_camera.h"
 #include "drivers/simulator/sensor.h"
 #include "drivers/simulator/world.h"
 
@@ -31,7 +34,7 @@ constexpr TimestampNs kEpochNs = 1'700'000'000'000'000'000;
 class RenderedSimulator : public Simulator {
  public:
   explicit RenderedSimulator(const SimulatorOptions& options)
-      : options_(options),
+      : options_(with_camera(options)),
         course_(options_),
         cache_(options_),
         same_every_frame_(course_.still() && options.movers == 0 && options.scene == "natural") {
@@ -39,8 +42,9 @@ class RenderedSimulator : public Simulator {
     info_.height = options_.height;
     info_.rate_hz = options_.rate_hz / static_cast<double>(options_.every);
     info_.frame_count = (options_.frames + options_.every - 1) / options_.every;
-    info_.description = fmt::format("simulator{}, {} course, world {}, noise {}", options_.raw ? " (raw)" : "",
-                                    options_.course, options_.world_seed, options_.noise_seed);
+    info_.description = fmt::format("simulator{}, {} course, {}world {}, noise {}", options_.raw ? " (raw)" : "",
+                                    options_.course, options_.camera == "clean" ? "" : options_.camera + " camera, ",
+                                    options_.world_seed, options_.noise_seed);
     info_.calibration = simulated_calibration(options_);
     T_first_world_ = course_.T_world_camera(0.0).inverse();
   }
@@ -62,14 +66,14 @@ class RenderedSimulator : public Simulator {
     if (threads_.empty()) start();
     if (same_every_frame_) {
       if (next_ == 0) produce(0, own_scratch_, still_);
-      deliver(frame, still_, pair);
+      if (auto ok = deliver(frame, still_, pair); !ok) return ok.error();
     } else {
       Slot& slot = slots_[static_cast<std::size_t>(next_) % slots_.size()];
       {
         std::unique_lock<std::mutex> lock(mutex_);
         changed_.wait(lock, [&] { return slot.holds == next_; });
       }
-      deliver(frame, slot.pair, pair);
+      if (auto ok = deliver(frame, slot.pair, pair); !ok) return ok.error();
       const std::lock_guard<std::mutex> lock(mutex_);
       slot.holds = -1;
       ++consumed_;
@@ -88,6 +92,11 @@ class RenderedSimulator : public Simulator {
       truth_of_ = frame;
     }
     return truth_.view();
+  }
+
+  CameraShake truth_shake() const override {
+    if (next_ == 0) return {};
+    return shake_of(options_, delivered_frame(options_, (next_ - 1) * options_.every, 1));
   }
 
  private:
@@ -133,22 +142,27 @@ class RenderedSimulator : public Simulator {
     cache_.store(frame, pair);
   }
 
-  void deliver(std::int64_t frame, const CleanPair& clean, StereoPair& pair) const {
+  // From the noise-free picture to what the camera hands over.
+  Result<void> photograph(std::int64_t frame, int camera, ImageView<const std::uint16_t> clean,
+                          Image<std::uint8_t>& out) const {
+    const std::int64_t taken = delivered_frame(options_, frame, camera);
+    expose(options_, taken, camera, roughen(options_, course_, taken, camera, clean, rough_), out);
+    apply_fault(options_, frame, camera, out);
+    const int quality = jpeg_quality_of(options_, taken, camera);
+    return quality > 0 ? through_jpeg(quality, out) : Result<void>();
+  }
+
+  Result<void> deliver(std::int64_t frame, const CleanPair& clean, StereoPair& pair) const {
     pair.index = next_;
     pair.stamp_ns =
         kEpochNs + static_cast<TimestampNs>(std::llround(static_cast<double>(frame) * 1e9 / options_.rate_hz));
-    expose(options_, frame, 0, clean.left.view(), pair.left);
-    const std::int64_t right_frame = delivered_frame(options_, frame, 1);
-    if (right_frame != frame && !same_every_frame_) {
-      if (frozen_.right.empty()) produce(right_frame, own_scratch_, frozen_);
-      expose(options_, right_frame, 1, frozen_.right.view(), pair.right);
-    } else {
-      expose(options_, right_frame, 1, clean.right.view(), pair.right);
-    }
-    apply_fault(options_, frame, 0, pair.left);
-    apply_fault(options_, frame, 1, pair.right);
     pair.truth_T_world_camera =
         frame == 0 ? RigidTransform{} : T_first_world_ * course_.T_world_camera(static_cast<double>(frame));
+    const std::int64_t right_frame = delivered_frame(options_, frame, 1);
+    const bool hangs = right_frame != frame && !same_every_frame_;
+    if (hangs && frozen_.right.empty()) produce(right_frame, own_scratch_, frozen_);
+    if (auto ok = photograph(frame, 0, clean.left.cview(), pair.left); !ok) return ok;
+    return photograph(frame, 1, hangs ? frozen_.right.cview() : clean.right.cview(), pair.right);
   }
 
   // The world is made when the first frame is not in the store.
@@ -173,6 +187,7 @@ class RenderedSimulator : public Simulator {
   mutable std::unique_ptr<Renderer> renderer_;
 
   mutable RenderScratch own_scratch_;
+  mutable RoughScratch rough_;
   CleanPair still_;
   mutable CleanPair frozen_;
   mutable Image<float> truth_;

@@ -76,6 +76,14 @@ class CourseDistance {
   std::vector<std::vector<Eigen::Vector2d>> bins_;
 };
 
+// Random numbers are drawn one a statement: in what order the parts of an expression are evaluated, a compiler chooses.
+// Where that order is not the one of the axes, it is the one in which the worlds were made first.
+Eigen::Vector3d any_texture_offset(Random& random) {
+  Eigen::Vector3d offset;
+  for (int axis = 0; axis < 3; ++axis) offset[axis] = random.uniform(0.0, 64.0);
+  return offset;
+}
+
 std::uint32_t byte(double v) { return static_cast<std::uint32_t>(std::clamp(v + 0.5, 0.0, 255.0)); }
 
 std::vector<std::uint32_t> quads(const std::vector<double>& v, int columns, int rows) {
@@ -149,10 +157,14 @@ void World::add_rock(double x, double y, double radius, std::uint64_t seed) {
   Random random(seed);
   Solid s;
   const double flat = random.uniform(0.45, 0.9);
-  const Eigen::Vector3d axes(radius * random.uniform(0.85, 1.25), radius * random.uniform(0.7, 1.0), radius * flat);
-  s.R_world_local = (Eigen::AngleAxisd(random.uniform(0.0, 2.0 * kPi), Eigen::Vector3d::UnitZ()) *
-                     Eigen::AngleAxisd(random.uniform(-0.35, 0.35), Eigen::Vector3d::UnitX()))
-                        .toRotationMatrix();
+  const double wide = random.uniform(0.7, 1.0);
+  const double length = random.uniform(0.85, 1.25);
+  const Eigen::Vector3d axes(radius * length, radius * wide, radius * flat);
+  const double tilt = random.uniform(-0.35, 0.35);
+  const double yaw = random.uniform(0.0, 2.0 * kPi);
+  s.R_world_local =
+      (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
   s.ground_m = course_.terrain().height(x, y);
   s.center = {x, y, s.ground_m + axes.z() * random.uniform(0.0, 0.55)};
   s.curvature = axes.cwiseProduct(axes).cwiseInverse();
@@ -160,7 +172,10 @@ void World::add_rock(double x, double y, double radius, std::uint64_t seed) {
   if (radius > 0.035) {  // broken faces
     s.planes = 5 + static_cast<int>(random.uniform(0.0, 3.0));
     for (int k = 0; k < s.planes; ++k) {
-      Eigen::Vector3d n(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-0.3, 1.0));
+      Eigen::Vector3d n;
+      n.z() = random.uniform(-0.3, 1.0);
+      n.y() = random.uniform(-1.0, 1.0);
+      n.x() = random.uniform(-1.0, 1.0);
       n.normalize();
       s.normal[k] = n;
       s.distance[k] = random.uniform(0.62, 0.93) * n.cwiseProduct(axes).norm();
@@ -169,7 +184,7 @@ void World::add_rock(double x, double y, double radius, std::uint64_t seed) {
   s.albedo = static_cast<float>(random.uniform(75.0, 165.0));
   s.contrast = static_cast<float>(random.uniform(0.20, 0.38));
   s.texel_m = std::clamp(radius / 20.0, 0.002, 0.012);
-  s.texture_offset = {random.uniform(0.0, 64.0), random.uniform(0.0, 64.0), random.uniform(0.0, 64.0)};
+  s.texture_offset = any_texture_offset(random);
   s.foot_radius_m = radius * 1.05;
   s.top_m = s.center.z() - s.ground_m + axes.z();
   solids_.push_back(s);
@@ -182,9 +197,10 @@ void World::add_post(double x, double y, std::uint64_t seed) {
   const double height = random.uniform(0.5, 1.9);
   s.ground_m = course_.terrain().height(x, y);
   const double lean = random.uniform(0.0, 0.12);
-  s.R_world_local = (Eigen::AngleAxisd(random.uniform(0.0, 2.0 * kPi), Eigen::Vector3d::UnitZ()) *
-                     Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitX()))
-                        .toRotationMatrix();
+  const double yaw = random.uniform(0.0, 2.0 * kPi);
+  s.R_world_local =
+      (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitX()))
+          .toRotationMatrix();
   s.center = {x, y, s.ground_m + 0.5 * height - 0.1};
   s.half_size = {radius, radius, 0.5 * height + 0.1};
   s.planes = 2;
@@ -195,7 +211,7 @@ void World::add_post(double x, double y, std::uint64_t seed) {
   s.albedo = static_cast<float>(random.uniform(70.0, 150.0));
   s.contrast = 0.35F;
   s.texel_m = 0.005;
-  s.texture_offset = {random.uniform(0.0, 64.0), random.uniform(0.0, 64.0), random.uniform(0.0, 64.0)};
+  s.texture_offset = any_texture_offset(random);
   s.foot_radius_m = radius;
   s.top_m = height;
   solids_.push_back(s);
@@ -250,10 +266,23 @@ void World::make_solids() {
       }
     }
   }
-  bin_first_x_ = static_cast<int>(std::floor((b.low.x() - kMarginM) / kBinM)) - 1;
-  bin_first_y_ = static_cast<int>(std::floor((b.low.y() - kMarginM) / kBinM)) - 1;
-  bin_columns_ = static_cast<int>(std::ceil((b.high.x() + kMarginM) / kBinM) - bin_first_x_) + 2;
-  bin_rows_ = static_cast<int>(std::ceil((b.high.y() + kMarginM) / kBinM) - bin_first_y_) + 2;
+  const auto natural = static_cast<std::ptrdiff_t>(solids_.size());
+  if (options_.railings) make_railing();
+  if (options_.walls || options_.glass) make_walls();
+  // They are made along the whole way: what no camera of this run can see goes.
+  const auto unseen = [&](const Solid& s) {
+    const Eigen::Array2d at = s.center.head<2>();
+    return (at < b.low.array() - kMarginM).any() || (at > b.high.array() + kMarginM).any();
+  };
+  solids_.erase(std::remove_if(solids_.begin() + natural, solids_.end(), unseen), solids_.end());
+  bin_solids(b.low, b.high);
+}
+
+void World::bin_solids(const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
+  bin_first_x_ = static_cast<int>(std::floor((low.x() - kMarginM) / kBinM)) - 1;
+  bin_first_y_ = static_cast<int>(std::floor((low.y() - kMarginM) / kBinM)) - 1;
+  bin_columns_ = static_cast<int>(std::ceil((high.x() + kMarginM) / kBinM) - bin_first_x_) + 2;
+  bin_rows_ = static_cast<int>(std::ceil((high.y() + kMarginM) / kBinM) - bin_first_y_) + 2;
   bins_.resize(static_cast<std::size_t>(bin_columns_) * bin_rows_);
   for (std::size_t n = 0; n < solids_.size(); ++n) {
     const auto x = static_cast<int>(std::floor(solids_[n].center.x() / kBinM)) - bin_first_x_;
@@ -319,14 +348,18 @@ std::vector<Solid> World::movers(double frame) const {
         (course_.moves() ? options_.step_m * frame : 0.0) + ahead + 1.0 * std::sin(0.6 * rate * frame + 2.0 * phase);
     const Eigen::Vector2d p = course_.position(s);
     const double psi = course_.heading(s);
-    const double side = sway * std::sin(rate * frame + phase) + random.uniform(-1.0, 1.0);
+    const double aside = random.uniform(-1.0, 1.0);
+    const double side = sway * std::sin(rate * frame + phase) + aside;
     const Eigen::Vector2d q = p + side * Eigen::Vector2d(-std::sin(psi), std::cos(psi));
-    const Eigen::Vector3d half_size(random.uniform(0.25, 0.6), random.uniform(0.2, 0.4), random.uniform(0.2, 0.5));
+    Eigen::Vector3d half_size;
+    half_size.z() = random.uniform(0.2, 0.5);
+    half_size.y() = random.uniform(0.2, 0.4);
+    half_size.x() = random.uniform(0.25, 0.6);
     Solid b = box(q, psi + 0.8 * std::cos(rate * frame + phase), half_size);
     b.albedo = static_cast<float>(random.uniform(90.0, 150.0));
     b.contrast = 0.5F;
     b.texel_m = 0.012;
-    b.texture_offset = {random.uniform(0.0, 64.0), random.uniform(0.0, 64.0), random.uniform(0.0, 64.0)};
+    b.texture_offset = any_texture_offset(random);
     out.push_back(b);
   }
   return out;

@@ -41,6 +41,8 @@ struct Solid {
   double foot_radius_m = 0.0;  // of the shadow's round end; 0 = no shadow
   double top_m = 0.0;          // height above ground
   double ground_m = 0.0;
+  enum class Surface { stone, brick, glass };
+  Surface surface = Surface::stone;
 
   static std::array<Eigen::Vector3d, kMaxPlanes> no_planes() {
     std::array<Eigen::Vector3d, kMaxPlanes> n;
@@ -76,6 +78,9 @@ class World {
  private:
   void make_ground();
   void make_solids();
+  void bin_solids(const Eigen::Vector2d& low, const Eigen::Vector2d& high);
+  void make_railing();
+  void make_walls();
   void add_rock(double x, double y, double radius, std::uint64_t seed);
   Solid box(const Eigen::Vector2d& place, double yaw, const Eigen::Vector3d& half_size) const;
   Solid lorry(double frame) const;

@@ -99,6 +99,7 @@ void run_cases(std::uint64_t begin, std::uint64_t count, bool (*wanted)(Kind)) {
 }
 
 #ifdef CLIQUEVO_LONG
+// CLIQUEVO_FIRST=1000000: the second family, half of them with rough cameras.
 // CLIQUEVO_FIRST=1000 CLIQUEVO_CASES=100 CLIQUEVO_KINDS=mover,water: only so many from there on, of these kinds.
 TEST(Adversarial, TwoThousandCasesWithoutAnUnreportedFailure) {
   const char* cases = std::getenv("CLIQUEVO_CASES");

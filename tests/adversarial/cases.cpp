@@ -141,6 +141,11 @@ Case CaseMaker::make(std::uint64_t k) {
     default:
       break;
   }
+  // Drawn only where it is used: what cases of the first family draw stays as it is.
+  if (k >= kRough && whole(rng, 0, 1) == 1) {
+    static constexpr const char* kRoughCameras[] = {"webcam", "flexing", "vibrating", "action", "sun"};
+    source += fmt::format(",camera={}", kRoughCameras[whole(rng, 0, 4)]);
+  }
   const Course& from = course(source);
   const int span = (frames - 1) * stride;
   const int first = whole(rng, 0, static_cast<int>(from.pairs.size()) - 1 - span - (out.kind == Kind::gap ? 62 : 0));

@@ -46,6 +46,9 @@ class CaseMaker {
  public:
   CaseMaker();  // renders, or reads what was rendered before
   static Kind kind_of(std::uint64_t k) { return static_cast<Kind>(k % static_cast<std::uint64_t>(Kind::count)); }
+  // Cases from here on are a second family: about half of them are seen by a rough camera. Case kRough + k is not case
+  // k.
+  static constexpr std::uint64_t kRough = 1'000'000;
   // Case k is the same wherever and whenever it is made; kinds take turns.
   Case make(std::uint64_t k);
 

@@ -119,7 +119,9 @@ inline void load_bytes(const std::uint8_t* from, VectorFloats& out) {
 }
 #else
 inline void load_bytes(const std::uint8_t* from, VectorFloats& out) {
-  for (int i = 0; i < kPatchLanes; ++i) out.half[i / 4][i % 4] = static_cast<float>(from[i]);
+  float lanes[kPatchLanes];
+  for (int i = 0; i < kPatchLanes; ++i) lanes[i] = static_cast<float>(from[i]);
+  __builtin_memcpy(&out, lanes, sizeof out);
 }
 #endif
 
