@@ -16,6 +16,7 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include "core/base/printable.h"
 #include "core/rt/handover.h"
 #include "daemon/config_keys.h"
 #include "daemon/config_text.h"
@@ -367,7 +368,9 @@ Result<Config> read_config(const std::string& path) {
   return parse_config(*text, path);
 }
 
-Result<Config> parse_config(const std::string& text, const std::string& path) {
+namespace {
+
+Result<Config> parse(const std::string& text, const std::string& path) {
   if (auto ok = check_config_text(text, path); !ok) return ok.error();
   YAML::Node root;
   try {
@@ -387,6 +390,13 @@ Result<Config> parse_config(const std::string& text, const std::string& path) {
   config.T_body_camera = config.body.T_body_camera();
   if (auto ok = config.check(); !ok) return with_line(ok.error(), path, entries);
   return config;
+}
+
+}  // namespace
+
+Result<Config> parse_config(const std::string& text, const std::string& path) {
+  auto config = parse(text, path);
+  return config ? std::move(config) : Result<Config>(printable(config.error()));  // which names what stands in the file
 }
 
 }  // namespace cliquevo::daemon

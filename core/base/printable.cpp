@@ -48,4 +48,6 @@ std::string printable(std::string_view text) {
   return out;
 }
 
+Error printable(const Error& error) { return {printable(error.what), printable(error.where), printable(error.remedy)}; }
+
 }  // namespace cliquevo

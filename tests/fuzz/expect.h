@@ -5,14 +5,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+#include <string_view>
 
 #include "core/base/result.h"
 
 namespace cliquevo::fuzz {
 
-inline void expect(bool holds, const std::string& promise) {
+inline void expect(bool holds, std::string_view promise) {
   if (holds) return;
-  std::fprintf(stderr, "broken: %s\n", promise.c_str());
+  std::fprintf(stderr, "broken: %.*s\n", static_cast<int>(promise.size()), promise.data());
   std::abort();
 }
 
@@ -20,7 +21,8 @@ inline void expect(bool holds, const std::string& promise) {
 inline void expect_clear(const Error& error) {
   const std::string line = error.line();
   expect(!error.what.empty() && !error.where.empty() && !error.remedy.empty(), "an error has three parts: " + line);
-  for (const char c : line) expect(c != '\n' && c != '\r' && c != '\0', "an error is one line: " + line);
+  if (line.find_first_of(std::string_view("\n\r\0", 3)) != std::string::npos)
+    expect(false, "an error is one line: " + line);
 }
 
 }  // namespace cliquevo::fuzz
