@@ -14,6 +14,7 @@ install(FILES systemd/60-cliquevo.rules DESTINATION lib/udev/rules.d)
 install(FILES config/cliquevo.yaml DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/cliquevo)
 install(DIRECTORY daemon/lcmtypes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cliquevo/lcmtypes FILES_MATCHING PATTERN "*.lcm")
 install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES systemd/network-cameras.conf DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 
 # The library: stereo and odometry, with Eigen in their interface and nothing else.

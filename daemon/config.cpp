@@ -16,8 +16,10 @@
 #include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include "core/base/printable.h"
 #include "core/rt/handover.h"
 #include "daemon/config_keys.h"
+#include "daemon/config_text.h"
 
 namespace cliquevo::daemon {
 
@@ -371,15 +373,20 @@ std::vector<std::pair<std::string, std::string>> list_config(const Config& confi
 }
 
 Result<Config> read_config(const std::string& path) {
+  const auto text = read_config_text(path);
+  if (!text) return text.error();
+  return parse_config(*text, path);
+}
+
+namespace {
+
+Result<Config> parse(const std::string& text, const std::string& path) {
+  if (auto ok = check_config_text(text, path); !ok) return ok.error();
   YAML::Node root;
   try {
-    if (!fs::is_regular_file(path) && !fs::is_character_file(path)) throw YAML::BadFile(path);
-    root = YAML::LoadFile(path);
-  } catch (const YAML::ParserException& error) {
-    return Error{"cannot read configuration", fmt::format("{}:{}", path, error.mark.line + 1),
-                 fmt::format("{}; mend the YAML", error.msg)};
-  } catch (const std::exception&) {
-    return Error{"cannot read configuration", path, "name a YAML file that can be read"};
+    root = YAML::Load(text);
+  } catch (const std::exception& error) {
+    return Error{"cannot read configuration", path, fmt::format("{}; mend the YAML", error.what())};
   }
   if (!root.IsMap() && !root.IsNull()) {
     return Error{"cannot read configuration", path, "give sections with `key: value` lines, as config/cliquevo.yaml"};
@@ -393,6 +400,13 @@ Result<Config> read_config(const std::string& path) {
   config.T_body_camera = config.body.T_body_camera();
   if (auto ok = config.check(); !ok) return with_line(ok.error(), path, entries);
   return config;
+}
+
+}  // namespace
+
+Result<Config> parse_config(const std::string& text, const std::string& path) {
+  auto config = parse(text, path);
+  return config ? std::move(config) : Result<Config>(printable(config.error()));  // which names what stands in the file
 }
 
 }  // namespace cliquevo::daemon

@@ -40,7 +40,12 @@ struct LcmConfig {
   double images_rate_hz = 2.0;
   std::string movers_channel;  // rigid things that move by themselves
   std::string health_channel = "VO_HEALTH";
-  std::string command_channel = "VO_COMMAND";
+  std::string command_channel;  // listened to: see CommandReceiver
+};
+
+// The Unix socket that commands come through.
+struct ControlConfig {
+  std::string socket = "/run/cliquevo/control";  // empty = none
 };
 
 // What the daemon asks of the machine. Rights that it has not are reported once, and it runs without.
@@ -58,7 +63,7 @@ struct RealtimeConfig {
 // Logs that the daemon writes: pairs as grabbed, calibration, and the messages that it sends.
 struct RecordingConfig {
   std::string folder;                 // empty = no recording
-  bool at_start = false;              // from the start on; else when VO_COMMAND asks for it
+  bool at_start = false;              // from the start on; else when a command asks for it
   std::int64_t max_file_mb = 1024;    // a new file when this one has so many
   std::int64_t max_total_mb = 16384;  // of all logs in the folder that the daemon wrote: the oldest go
   std::int64_t queue_mb = 64;         // memory for what waits for the disk
@@ -79,6 +84,7 @@ struct Config {
   stereo::StereoParams stereo;
   vo::VoParams odometry;
   LcmConfig lcm;
+  ControlConfig control;
   RealtimeConfig realtime;
   Mounting body;
   RecordingConfig recording;
@@ -93,6 +99,8 @@ struct Config {
 Config default_config();
 // The defaults with what the file says. Relative paths in it start from the file's own folder.
 Result<Config> read_config(const std::string& path);
+// The same of a text; path: for messages, and where relative paths start.
+Result<Config> parse_config(const std::string& text, const std::string& path);
 
 // Every key with its value as the file would have it, in the file's order.
 std::vector<std::pair<std::string, std::string>> list_config(const Config& config);

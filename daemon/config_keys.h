@@ -176,6 +176,8 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("lcm.health_channel", c.lcm.health_channel);
   v.key("lcm.command_channel", c.lcm.command_channel);
 
+  v.file("control.socket", c.control.socket);
+
   v.key("realtime.lock_memory", c.realtime.lock_memory);
   v.key("realtime.stereo_cpu", c.realtime.stereo_cpu);
   v.key("realtime.odometry_cpu", c.realtime.odometry_cpu);

@@ -11,9 +11,10 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "core/base/caught.h"
 #include "core/rt/memory.h"
 #include "core/rt/thread.h"
-#include "daemon/command_receiver.h"
+#include "daemon/commands.h"
 #include "daemon/config.h"
 #include "daemon/effective_config.h"
 #include "daemon/health.h"
@@ -34,6 +35,7 @@ namespace {
 
 constexpr std::int64_t kTickNs = 100'000'000;        // how often the watchdog is fed
 constexpr std::int64_t kSecondNs = 1'000'000'000;    // health
+constexpr std::int64_t kRetryNs = kSecondNs / 2;     // for a route or a server; asking itself takes as long at most
 constexpr std::int64_t kPatienceNs = 5 * kSecondNs;  // for frames on their way once stopping
 
 Result<Config> load(const DaemonOptions& options) {
@@ -110,36 +112,14 @@ Result<std::optional<Publisher>> make_publisher(const Config& config, const Sign
     if (!Service::is_managed()) return publisher.error();
     if (first) {
       report(publisher.error());
-      service.status("waiting for a route for LCM messages");
+      service.status(config.lcm.url.starts_with("tcpq:") ? "waiting for the LCM server"
+                                                         : "waiting for a route for LCM messages");
       service.ready();
     }
     service.feed_watchdog();
-    const int signal = signals.wait(kSecondNs);
+    const int signal = signals.wait(kRetryNs);
     if (signal == SIGTERM || signal == SIGINT) return std::optional<Publisher>();
   }
-}
-
-void obey(const command_t& command, Pipeline& pipeline, Recording& recording) {
-  if (command.command == command_t::RESET_POSE) {
-    spdlog::info("resetting the pose: asked to by a message");
-    pipeline.request_reset();
-  } else if (command.command == command_t::START_RECORDING) {
-    if (const auto ok = recording.start(); !ok) report(ok.error());
-  } else if (command.command == command_t::STOP_RECORDING) {
-    if (const auto ok = recording.stop(); !ok) report(ok.error());
-  } else {
-    spdlog::warn("command {} is not known: ignored", static_cast<int>(command.command));
-  }
-}
-
-Result<std::optional<CommandReceiver>> listen(const Config& config, Pipeline& pipeline, Recording& recording) {
-  std::optional<CommandReceiver> receiver;
-  if (config.lcm.command_channel.empty()) return receiver;
-  auto started = CommandReceiver::start(config.lcm.url, config.lcm.command_channel,
-                                        [&](const command_t& c) { obey(c, pipeline, recording); });
-  if (!started) return started.error();
-  receiver.emplace(std::move(*started));
-  return receiver;
 }
 
 // SIGHUP: what can change while running does, what cannot is named.
@@ -187,12 +167,26 @@ class Advice {
   bool view_told_ = false;
 };
 
+// Once a second.
+void tell(Health& health, Output& output, Recording& recording, Commands& commands, Advice& advice, Service& service) {
+  const health_t& message = health.update(monotonic_ns(), recording.status(), commands.incidents().text());
+  output.publisher.publish(message);
+  commands.set_status(message);
+  advice.give(output.findings);
+  service.status(health.status_text());
+  spdlog::debug(health.status_text());
+}
+
 // Feeds the watchdog, reports, and waits for the end of the source or a signal to stop.
-void watch(Pipeline& pipeline, Output& output, Recording& recording, const Signals& signals, Service& service,
-           const std::string& source, const std::function<void()>& on_hangup) {
+void watch(Pipeline& pipeline, Output& output, Recording& recording, Commands& commands, const Signals& signals,
+           Service& service, const std::string& source, const std::function<void()>& on_hangup) {
   Health health(pipeline, output.sent, output.findings, source);
   Advice advice;
   std::int64_t next_report_ns = monotonic_ns() + kSecondNs;
+  const auto unharmed = [&commands](const auto& work) {  // a report that fails is no reason to end
+    const auto done = guarded("cliquevod", [&] { return work(), Result<void>(); });
+    if (!done) commands.incidents().add(done.error().line());
+  };
   while (!pipeline.wait_finished(0)) {
     const int signal = signals.wait(kTickNs);
     if (signal == SIGTERM || signal == SIGINT) {
@@ -201,17 +195,14 @@ void watch(Pipeline& pipeline, Output& output, Recording& recording, const Signa
     }
     if (signal == SIGHUP) {
       service.reloading();
-      on_hangup();
+      unharmed(on_hangup);
       service.reloaded();
     }
     if (health.may_feed_watchdog()) service.feed_watchdog();
     const std::int64_t now_ns = monotonic_ns();
     if (now_ns >= next_report_ns) {
       next_report_ns += kSecondNs * (1 + (now_ns - next_report_ns) / kSecondNs);
-      output.publisher.publish(health.update(now_ns, recording.status()));
-      advice.give(output.findings);
-      service.status(health.status_text());
-      spdlog::debug(health.status_text());
+      unharmed([&] { tell(health, output, recording, commands, advice, service); });
     }
     if (health.ready()) service.ready();
   }
@@ -271,7 +262,8 @@ int run(const DaemonOptions& options) {
 
   Recording recording(config->recording, info, config->source.speed <= 0.0 && !info.live);
   if (config->recording.at_start) {
-    if (const auto ok = recording.start(); !ok) return report(ok.error()), kBadInput;
+    // The odometry is what it is for: without a recording it goes on, and VO_HEALTH says so.
+    if (const auto ok = recording.start(); !ok) report(ok.error());
   }
   output.publisher.copy_to([&recording](const std::string& channel, const std::uint8_t* data, std::size_t size) {
     recording.add(channel, data, size);
@@ -307,9 +299,9 @@ int run(const DaemonOptions& options) {
   for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
 
   {
-    const auto commands = listen(*config, *pipeline, recording);
-    if (!commands) return report(commands.error()), kBadInput;
-    watch(*pipeline, output, recording, signals, service, description,
+    Commands commands(*pipeline, recording);
+    commands.listen(*config);
+    watch(*pipeline, output, recording, commands, signals, service, description,
           [&] { reload(options, *config, output, recording); });
   }
   if (!pipeline->wait_finished(kPatienceNs)) {

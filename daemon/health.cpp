@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/printable.h"
 #include "daemon/clock.h"
 #include "daemon/machine.h"
 #include "daemon/messages.h"
@@ -33,7 +34,7 @@ Health::Health(const Pipeline& pipeline, const SentCounts& sent, const Findings&
     : pipeline_(pipeline),
       sent_(sent),
       findings_(findings),
-      source_(std::move(source_description)),
+      source_(printable(source_description)),
       start_ns_(monotonic_ns()),
       last_update_ns_(start_ns_),
       last_frame_ns_(start_ns_),
@@ -103,7 +104,7 @@ void Health::fill_findings(health_t& out) const {
   }
 }
 
-const health_t& Health::update(std::int64_t now_mono_ns, const std::string& recording) {
+const health_t& Health::update(std::int64_t now_mono_ns, const std::string& recording, const std::string& incidents) {
   const PipelineCounts counts = pipeline_.counts();
   const std::int64_t valid = sent_.valid.load(std::memory_order_relaxed);
   const std::int64_t span_ns = now_mono_ns - last_update_ns_;
@@ -114,8 +115,9 @@ const health_t& Health::update(std::int64_t now_mono_ns, const std::string& reco
 
   health_t& out = message_;
   judge(grabbed_now, sent_now);
-  out.source_text = pipeline_.source_status();
+  out.source_text = printable(pipeline_.source_status());
   out.recording_text = recording;
+  out.incident_text = printable(incidents);
   out.utime = floor_us(utc_now_ns());
   out.uptime_s = static_cast<double>(now_mono_ns - start_ns_) * 1e-9;
   out.grab_rate_hz = rate(grabbed_now, span_ns);
@@ -147,7 +149,7 @@ const health_t& Health::update(std::int64_t now_mono_ns, const std::string& reco
       fmt::format("{}; {:.1f} Hz, latency {:.1f} ms (p99 {:.1f} ms), {:.0f} % valid, {} dropped",
                   out.state_text.empty() ? "starting" : out.state_text, out.pose_rate_hz, out.latency_p50_us * 1e-3,
                   out.latency_p99_us * 1e-3, 100.0 * out.valid_share, counts.dropped);
-  for (const std::string* text : {&out.source_text, &out.recording_text}) {
+  for (const std::string* text : {&out.source_text, &out.recording_text, &out.incident_text}) {
     if (!text->empty()) status_text_ += "; " + *text;
   }
   return out;

@@ -53,8 +53,9 @@ class Health {
   bool may_feed_watchdog() const;
   // Frames have gone out, or it is clear that the source sends none.
   bool ready() const;
-  // About once a second. recording: a line on what is recorded; empty = nothing is.
-  const health_t& update(std::int64_t now_mono_ns, const std::string& recording = "");
+  // About once a second. recording: a line on what is recorded; empty = nothing is. incidents: see Incidents::text().
+  const health_t& update(std::int64_t now_mono_ns, const std::string& recording = "",
+                         const std::string& incidents = "");
   // One line: state, rate, latency, drops. Of the last update().
   const std::string& status_text() const { return status_text_; }
 

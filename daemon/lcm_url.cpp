@@ -6,18 +6,19 @@
 #include <charconv>
 #include <cstring>
 #include <fcntl.h>
-#include <netdb.h>
-#include <netinet/in.h>
 #include <optional>
 #include <sys/socket.h>
 #include <unistd.h>
 #include <utility>
 #include <vector>
 
+#include "daemon/tcpq_client.h"
+
 namespace cliquevo::daemon {
 
 namespace {
 
+constexpr const char* kServerRemedy = "write it as tcpq://HOST:PORT";
 constexpr const char* kFormRemedy = "write it as udpm://239.255.76.67:7667?ttl=0";
 
 Error bad(const std::string& what, const std::string& url, const std::string& remedy = kFormRemedy) {
@@ -79,11 +80,12 @@ Result<std::pair<std::string, std::uint16_t>> host_and_port(const Parts& parts, 
   return std::pair{parts.network.substr(0, colon), static_cast<std::uint16_t>(*port)};
 }
 
-Result<void> check_multicast(const Parts& parts, const std::string& url) {
+Result<MulticastUrl> multicast_of(const Parts& parts, const std::string& url) {
   const auto address = host_and_port(parts, url);
   if (!address) return address.error();
-  in_addr ip{};
-  if (::inet_pton(AF_INET, address->first.c_str(), &ip) != 1 || !IN_MULTICAST(ntohl(ip.s_addr))) {
+  MulticastUrl out;
+  out.port = address->second;
+  if (::inet_pton(AF_INET, address->first.c_str(), &out.group) != 1 || !IN_MULTICAST(ntohl(out.group.s_addr))) {
     return bad("LCM URL without a multicast address (224.0.0.0 to 239.255.255.255)", url);
   }
   for (const auto& [key, text] : parts.options) {
@@ -92,13 +94,20 @@ Result<void> check_multicast(const Parts& parts, const std::string& url) {
     if (!value || *value < 0 || (key == "ttl" && *value > 255)) {
       return bad("bad value of '" + key + "' in the LCM URL", url);
     }
+    if (key == "ttl") out.ttl = static_cast<int>(*value);
   }
+  return out;
+}
+
+Result<void> check_multicast(const Parts& parts, const std::string& url) {
+  const auto address = multicast_of(parts, url);
+  if (!address) return address.error();
   // Connecting a datagram socket sends nothing; it only asks for the route.
   const Socket probe(SOCK_DGRAM);
   sockaddr_in to{};
   to.sin_family = AF_INET;
-  to.sin_port = htons(address->second);
-  to.sin_addr = ip;
+  to.sin_port = htons(address->port);
+  to.sin_addr = address->group;
   if (probe.fd() < 0 || ::connect(probe.fd(), reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) {
     return bad(std::string("no route for LCM messages (") + std::strerror(errno) + ")", url,
                "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo");
@@ -106,27 +115,9 @@ Result<void> check_multicast(const Parts& parts, const std::string& url) {
   return {};
 }
 
-Result<void> check_server(const Parts& parts, const std::string& url) {
-  // LCM's own default is localhost:7700.
-  Parts full = parts;
-  if (full.network.empty()) full.network = "localhost";
-  if (full.network.find(':') == std::string::npos) full.network += ":7700";
-  const auto address = host_and_port(full, url);
-  if (!address) return address.error();
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int failed = ::getaddrinfo(address->first.c_str(), std::to_string(address->second).c_str(), &hints, &found);
-  if (failed != 0) return bad("unknown host in the LCM URL", url, ::gai_strerror(failed));
-  const Socket probe(SOCK_STREAM);
-  timeval limit{};
-  limit.tv_sec = 2;
-  ::setsockopt(probe.fd(), SOL_SOCKET, SO_SNDTIMEO, &limit, sizeof limit);
-  const bool connected = probe.fd() >= 0 && ::connect(probe.fd(), found->ai_addr, found->ai_addrlen) == 0;
-  const int error = errno;
-  ::freeaddrinfo(found);
-  if (!connected) return bad(std::string("no LCM server (") + std::strerror(error) + ")", url, "start lcm-tcpq-server");
+Result<void> check_server(const std::string& url) {
+  const auto client = TcpqClient::open(url);
+  if (!client) return client.error();
   return {};
 }
 
@@ -137,7 +128,7 @@ Result<void> check_file(const Parts& parts, const std::string& url) {
   if (!writes) {
     return bad("LCM URL of a log that is not open for writing", url, "write it as file:///path/run.log?mode=w");
   }
-  const int fd = ::open(parts.network.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+  const int fd = ::open(parts.network.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0640);
   if (fd < 0)
     return bad(std::string("cannot write the LCM log (") + std::strerror(errno) + ")", url, "name another file");
   ::close(fd);
@@ -146,11 +137,28 @@ Result<void> check_file(const Parts& parts, const std::string& url) {
 
 }  // namespace
 
+Result<MulticastUrl> parse_multicast_url(const std::string& url) {
+  const auto parts = split(url);
+  if (!parts || parts->provider != "udpm") return bad("no LCM URL of a multicast group", url);
+  return multicast_of(*parts, url);
+}
+
+Result<ServerUrl> parse_server_url(const std::string& url) {
+  auto parts = split(url);
+  if (!parts || parts->provider != "tcpq") return bad("no LCM URL of a server", url, kServerRemedy);
+  // LCM's own default is localhost:7700.
+  if (parts->network.empty()) parts->network = "localhost";
+  if (parts->network.find(':') == std::string::npos) parts->network += ":7700";
+  const auto address = host_and_port(*parts, url);
+  if (!address) return address.error();
+  return ServerUrl{address->first, address->second};
+}
+
 Result<void> check_lcm_url(const std::string& url) {
   const auto parts = split(url);
   if (!parts) return bad("malformed LCM URL", url.empty() ? "(empty)" : url);
   if (parts->provider == "udpm") return check_multicast(*parts, url);
-  if (parts->provider == "tcpq") return check_server(*parts, url);
+  if (parts->provider == "tcpq") return check_server(url);
   if (parts->provider == "file") return check_file(*parts, url);
   if (parts->provider == "memq") return {};
   return bad("unknown LCM provider '" + parts->provider + "'", url);

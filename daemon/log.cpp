@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/log.h"
 
-#include <algorithm>
-#include <cstdio>
 #include <cstdlib>
 #include <memory>
 
-#include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/sinks/systemd_sink.h>
 #include <spdlog/spdlog.h>
+
+#include "core/base/printable.h"
+#include "daemon/standard_streams.h"
 
 namespace cliquevo::daemon {
 
@@ -18,9 +18,21 @@ namespace {
 // systemd sets it for a service whose stderr is the journal.
 bool in_journal() { return std::getenv("JOURNAL_STREAM") != nullptr; }
 
-}  // namespace
+// What names of files and cameras hold is made printable: one call, one line.
+class PlainLogger final : public spdlog::logger {
+ public:
+  using spdlog::logger::logger;
 
-void set_up_log(const std::string& level) {
+ protected:
+  void sink_it_(const spdlog::details::log_msg& message) override {
+    const std::string text = printable({message.payload.data(), message.payload.size()});
+    spdlog::details::log_msg plain = message;
+    plain.payload = text;
+    spdlog::logger::sink_it_(plain);
+  }
+};
+
+std::shared_ptr<spdlog::logger> make_logger() {
   std::shared_ptr<spdlog::sinks::sink> sink;
   if (in_journal()) {
     sink = std::make_shared<spdlog::sinks::systemd_sink_mt>("cliquevod");
@@ -28,18 +40,26 @@ void set_up_log(const std::string& level) {
     sink = std::make_shared<spdlog::sinks::stderr_color_sink_mt>();
     sink->set_pattern("%H:%M:%S.%e %^%l%$ %v");
   }
-  auto logger = std::make_shared<spdlog::logger>("cliquevod", std::move(sink));
-  logger->set_level(spdlog::level::from_str(level));
-  spdlog::set_default_logger(std::move(logger));
+  auto logger = std::make_shared<PlainLogger>("cliquevod", std::move(sink));
+  // A stderr that takes nothing is no reason to write to it.
+  logger->set_error_handler([](const std::string&) {});
+  return logger;
+}
+
+}  // namespace
+
+void set_up_log(const std::string& level) {
+  // Once: other threads use the logger while its level changes.
+  static const bool made = (spdlog::set_default_logger(make_logger()), true);
+  static_cast<void>(made);
+  spdlog::default_logger_raw()->set_level(spdlog::level::from_str(level));
 }
 
 void report(const Error& error) {
-  std::string line = error.line();
-  std::replace(line.begin(), line.end(), '\n', ' ');
   if (in_journal()) {
-    spdlog::error(line);
+    spdlog::error(error.line());
   } else {
-    fmt::print(stderr, "{}\n", line);
+    print_error_line(error.line());
   }
 }
 

@@ -8,7 +8,7 @@
 
 namespace cliquevo::daemon {
 
-// level: trace, debug, info, warn, error. May be called again.
+// level: trace, debug, info, warn, error. Again at any time, while others log.
 void set_up_log(const std::string& level);
 // One line, `what: where: what to do`, at level error. On a terminal without time or level, as every program prints it.
 void report(const Error& error);

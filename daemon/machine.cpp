@@ -20,8 +20,9 @@ std::int64_t resident_bytes() {
 
 std::vector<std::pair<std::string, double>> temperatures() {
   std::vector<std::pair<std::string, double>> out;
-  std::error_code none;
-  for (const auto& zone : fs::directory_iterator("/sys/class/thermal", none)) {
+  std::error_code ec;
+  for (fs::directory_iterator it("/sys/class/thermal", ec); !ec && it != fs::directory_iterator(); it.increment(ec)) {
+    const fs::directory_entry& zone = *it;
     if (zone.path().filename().string().rfind("thermal_zone", 0) != 0) continue;
     std::ifstream type(zone.path() / "type");
     std::ifstream temperature(zone.path() / "temp");

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // cliquevod: frames in, poses out over LCM, until told to stop.
-#include <exception>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "core/base/caught.h"
 #include "daemon/daemon.h"
 #include "daemon/log.h"
 #include "daemon/source.h"
+#include "daemon/standard_streams.h"
 
-int main(int argc, char** argv) {
-  using namespace cliquevo::daemon;
+namespace {
+
+using namespace cliquevo::daemon;
+
+int run_line(int argc, char** argv) {
   CLI::App app("Stereo visual odometry as a daemon: grabs stereo pairs and sends poses over LCM.", "cliquevod");
   DaemonOptions options;
   bool check_only = false;
@@ -23,14 +27,29 @@ int main(int argc, char** argv) {
       "SIGTERM and SIGINT stop it cleanly: frames on their way still go out.");
   try {
     app.parse(argc, argv);
-    return check_only ? check(options) : run(options);
   } catch (const CLI::Success& wanted) {  // --help, --version
     return app.exit(wanted);
   } catch (const CLI::ParseError& error) {
     report({"wrong usage", "cliquevod", std::string(error.what()) + " (see cliquevod --help)"});
     return kWrongUsage;
-  } catch (const std::exception& error) {  // out of memory, a library at its end
-    report({"cannot go on", "cliquevod", error.what()});
+  }
+  return check_only ? check(options) : run(options);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  keep_standard_streams();
+  int exit_code = kBadInput;
+  try {
+    exit_code = run_line(argc, argv);
+  } catch (...) {  // out of memory, a library at its end
+    print_error_line(cliquevo::caught("cliquevod").line());
     return kBadInput;
   }
+  if (const auto ok = flush_stdout(); !ok && exit_code == kDone) {
+    print_error_line(ok.error().line());
+    return kBadInput;
+  }
+  return exit_code;
 }

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <utility>
 
+#include "core/base/caught.h"
 #include "core/rt/handover.h"
 #include "core/rt/ring.h"
 #include "core/rt/slot_pool.h"
@@ -95,14 +96,28 @@ struct Pipeline::Impl {
         source(std::move(source_)),
         live(source->info().live) {}
 
-  // ---- the four threads
+  // ---- the four threads; what a library throws at one of them ends the pipeline as an error
   void grab();
   void stereo();
   void odometry();
   void output();
+  template <typename Body>
+  void guard(const std::string& thread, const Body& body) {
+    try {
+      body();
+    } catch (...) {
+      fail(caught(thread));
+    }
+  }
+
+  void grab_all();
+  void stereo_all();
+  void odometry_all();
+  void output_all();
 
   bool lossless() const { return options.speed <= 0.0; }
   bool stopping() const { return stop_asked.load(std::memory_order_acquire); }
+  bool has_failed() const { return failed.load(std::memory_order_acquire); }
   bool sleep_until(std::int64_t due_mono_ns);
   void send_on(FrameSlot& slot);
   void fail(const Error& what);
@@ -168,6 +183,11 @@ bool Pipeline::Impl::sleep_until(std::int64_t due_mono_ns) {
 }
 
 void Pipeline::Impl::grab() {
+  guard("vo-grab", [this] { grab_all(); });
+  to_stereo.close();
+}
+
+void Pipeline::Impl::grab_all() {
   Pacer pacer(lossless() ? 1.0 : options.speed);
   while (!stopping()) {
     const int index = slots.acquire();
@@ -176,7 +196,7 @@ void Pipeline::Impl::grab() {
       continue;
     }
     FrameSlot& slot = slots[index];
-    const Result<bool> more = source->next(slot.pair);
+    const Result<bool> more = guarded("vo-grab", [&] { return source->next(slot.pair); });
     if (!more.ok()) {
       slots.release(index);
       source_errors.fetch_add(1, std::memory_order_relaxed);
@@ -208,16 +228,20 @@ void Pipeline::Impl::grab() {
       dropped_before_stereo.fetch_add(1, std::memory_order_relaxed);
     });
   }
-  to_stereo.close();
 }
 
 void Pipeline::Impl::stereo() {
+  guard(options.stereo.name, [this] { stereo_all(); });
+  to_odometry.close();
+}
+
+void Pipeline::Impl::stereo_all() {
   for (int index = to_stereo.take(); index != kNone; index = to_stereo.take()) {
     FrameSlot& slot = slots[index];
     const std::int64_t begin_ns = monotonic_ns();
     span(Span::wake).record(begin_ns - slot.grabbed_mono_ns);
     slot.stamps.stereo_begin_ns = utc_now_ns();
-    const Result<void> done = work.stereo(slot);
+    const Result<void> done = guarded("vo-stereo", [&] { return work.stereo(slot); });
     slot.stamps.stereo_end_ns = utc_now_ns();
     span(Span::stereo).record(monotonic_ns() - begin_ns);
     if (!done.ok()) {
@@ -227,7 +251,8 @@ void Pipeline::Impl::stereo() {
       progress(Stage::stereo).done();
       continue;
     }
-    if (lossless()) to_odometry.wait_until_taken();
+    while (lossless() && !to_odometry.wait_until_taken(kPollNs) && !has_failed()) {
+    }
     progress(Stage::odometry).entered();
     to_odometry.put(index, [this](int skipped) {
       slots.give_back(kFromStereo, skipped);
@@ -236,10 +261,14 @@ void Pipeline::Impl::stereo() {
     });
     progress(Stage::stereo).done();
   }
-  to_odometry.close();
 }
 
 void Pipeline::Impl::odometry() {
+  guard(options.odometry.name, [this] { odometry_all(); });
+  outgoing.close();
+}
+
+void Pipeline::Impl::odometry_all() {
   for (int index = to_odometry.take(); index != kNone; index = to_odometry.take()) {
     FrameSlot& slot = slots[index];
     if (reset_asked.exchange(false, std::memory_order_acq_rel)) {
@@ -248,7 +277,13 @@ void Pipeline::Impl::odometry() {
     }
     const std::int64_t begin_ns = monotonic_ns();
     slot.stamps.odometry_begin_ns = utc_now_ns();
-    const Result<void> done = work.odometry(slot);
+    bool thrown = true;
+    const Result<void> done = guarded("vo-odometry", [&] {
+      Result<void> processed = work.odometry(slot);
+      thrown = false;
+      return processed;
+    });
+    if (thrown) reset_asked.store(true, std::memory_order_release);  // half of a frame is in its memory
     slot.stamps.odometry_end_ns = utc_now_ns();
     span(Span::odometry).record(monotonic_ns() - begin_ns);
     if (done.ok()) {
@@ -260,7 +295,6 @@ void Pipeline::Impl::odometry() {
     slots.give_back(kFromOdometry, index);
     progress(Stage::odometry).done();
   }
-  outgoing.close();
 }
 
 void Pipeline::Impl::send_on(FrameSlot& slot) {
@@ -275,7 +309,7 @@ void Pipeline::Impl::send_on(FrameSlot& slot) {
   out.grabbed_mono_ns = slot.grabbed_mono_ns;
   progress(Stage::output).entered();
   while (!outgoing.push(out)) {
-    if (lossless()) {  // nothing may be lost and nobody waits for this thread: let the output get on
+    if (lossless() && !has_failed()) {  // nothing may be lost and nobody waits for this thread: let the output get on
       rt::Wakeup never;
       never.wait(never.state(), kPollNs);
       continue;
@@ -287,18 +321,26 @@ void Pipeline::Impl::send_on(FrameSlot& slot) {
 }
 
 void Pipeline::Impl::output() {
+  guard(options.output.name, [this] { output_all(); });
+  finished.store(true, std::memory_order_release);
+  finished_wakeup.signal();
+}
+
+void Pipeline::Impl::output_all() {
   Outgoing out;
   while (outgoing.wait_pop(out)) {
     const std::int64_t begin_ns = monotonic_ns();
-    work.output(out.frame);
+    const Result<void> done = guarded("vo-output", [&] { return work.output(out.frame), Result<void>(); });
+    if (!done.ok()) {
+      unsent.fetch_add(1, std::memory_order_relaxed);
+      if (options.errors_are_final) fail(done.error());
+    }
     const std::int64_t end_ns = monotonic_ns();
     span(Span::output).record(end_ns - begin_ns);
     span(Span::total).record(end_ns - out.grabbed_mono_ns);
     published.fetch_add(1, std::memory_order_relaxed);
     progress(Stage::output).done();
   }
-  finished.store(true, std::memory_order_release);
-  finished_wakeup.signal();
 }
 
 Result<Pipeline> Pipeline::start(const PipelineOptions& options, PipelineWork work,

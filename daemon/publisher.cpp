@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/publisher.h"
 
+#include <utility>
 #include <vector>
 
 #include <cliquevo/images_t.hpp>
 #include <cliquevo/movers_t.hpp>
-#include <lcm/lcm-cpp.hpp>
 
 #include "daemon/clock.h"
-#include "daemon/lcm_url.h"
+#include "daemon/message_sender.h"
 #include "daemon/messages.h"
 
 namespace cliquevo::daemon {
@@ -27,13 +27,13 @@ class Channel {
   bool on() const { return !name_.empty(); }
 
   // true also for a channel without a name: it is switched off.
-  bool send(lcm::LCM& lcm, const Publisher::Copy& copy, const Message& message) {
+  bool send(MessageSender& sender, const Publisher::Copy& copy, const Message& message) {
     if (name_.empty()) return true;
     const auto size = static_cast<std::size_t>(message.getEncodedSize());
     if (buffer_.size() < size) buffer_.resize(size);
     const int used = message.encode(buffer_.data(), 0, static_cast<int>(size));
     if (used >= 0 && copy) copy(name_, buffer_.data(), static_cast<std::size_t>(used));
-    return used >= 0 && lcm.publish(name_, buffer_.data(), static_cast<unsigned int>(used)) == 0;
+    return used >= 0 && sender.send(name_, buffer_.data(), static_cast<std::size_t>(used));
   }
 
  private:
@@ -49,8 +49,8 @@ Result<void> check_channel(const std::string& key, const std::string& name) {
 }  // namespace
 
 struct Publisher::Impl {
-  Impl(const LcmConfig& config, const RigidTransform& T_body_camera)
-      : lcm(config.url),
+  Impl(std::unique_ptr<MessageSender> sender_, const LcmConfig& config, const RigidTransform& T_body_camera)
+      : sender(std::move(sender_)),
         builder(T_body_camera),
         delta(config.delta_channel),
         pose(config.pose_channel),
@@ -60,7 +60,7 @@ struct Publisher::Impl {
         images(config.images_channel),
         health(config.health_channel) {}
 
-  lcm::LCM lcm;
+  std::unique_ptr<MessageSender> sender;
   Copy copy;
   MessageBuilder builder;
   FrameMessages messages;
@@ -79,10 +79,9 @@ Result<Publisher> Publisher::make(const LcmConfig& config, const RigidTransform&
   if (const auto ok = check_channel("lcm.delta_channel", config.delta_channel); !ok) return ok.error();
   if (const auto ok = check_channel("lcm.pose_channel", config.pose_channel); !ok) return ok.error();
   if (const auto ok = check_channel("lcm.status_channel", config.status_channel); !ok) return ok.error();
-  if (const auto ok = check_lcm_url(config.url); !ok) return ok.error();
-  auto impl = std::make_unique<Impl>(config, T_body_camera);
-  if (!impl->lcm.good()) return Error{"LCM does not start", config.url, "check the URL and the multicast route"};
-  return Publisher(std::move(impl));
+  auto sender = MessageSender::open(config.url);
+  if (!sender) return sender.error();
+  return Publisher(std::make_unique<Impl>(std::move(*sender), config, T_body_camera));
 }
 
 Publisher::Publisher(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -96,21 +95,21 @@ bool Publisher::publish(const PublishedFrame& frame) {
   Impl& m = *impl_;
   m.builder.build(frame, utc_now_ns(), m.messages);
   // The delta first: estimators wait for it. Each is tried, whatever became of the one before.
-  const bool delta_sent = m.delta.send(m.lcm, m.copy, m.messages.delta);
-  const bool pose_sent = m.pose.send(m.lcm, m.copy, m.messages.pose);
-  const bool status_sent = m.status.send(m.lcm, m.copy, m.messages.status);
-  const bool delta_body_sent = m.delta_body.send(m.lcm, m.copy, m.messages.delta_body);
+  const bool delta_sent = m.delta.send(*m.sender, m.copy, m.messages.delta);
+  const bool pose_sent = m.pose.send(*m.sender, m.copy, m.messages.pose);
+  const bool status_sent = m.status.send(*m.sender, m.copy, m.messages.status);
+  const bool delta_body_sent = m.delta_body.send(*m.sender, m.copy, m.messages.delta_body);
   if (m.movers.on()) build_movers(frame.movers, m.movers_message);
-  const bool movers_sent = m.movers.send(m.lcm, m.copy, m.movers_message);
+  const bool movers_sent = m.movers.send(*m.sender, m.copy, m.movers_message);
   return delta_sent && pose_sent && status_sent && delta_body_sent && movers_sent;
 }
 
 bool Publisher::publish(const TappedImages& images) {
   Impl& m = *impl_;
   build_images(images, m.images_message);
-  return m.images.send(m.lcm, m.copy, m.images_message);
+  return m.images.send(*m.sender, m.copy, m.images_message);
 }
 
-bool Publisher::publish(const health_t& health) { return impl_->health.send(impl_->lcm, impl_->copy, health); }
+bool Publisher::publish(const health_t& health) { return impl_->health.send(*impl_->sender, impl_->copy, health); }
 
 }  // namespace cliquevo::daemon

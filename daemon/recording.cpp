@@ -3,18 +3,19 @@
 
 #include <algorithm>
 #include <atomic>
-#include <ctime>
 #include <filesystem>
 #include <mutex>
 #include <optional>
 #include <system_error>
 #include <utility>
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "core/base/caught.h"
+#include "core/base/printable.h"
 #include "daemon/clock.h"
+#include "daemon/log_names.h"
 
 namespace cliquevo::daemon {
 
@@ -22,20 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kPrefix = "cliquevo-";
 constexpr std::int64_t kMegabyte = 1'000'000;
-
-// The logs of earlier recordings, oldest first: their names begin with their time.
-std::vector<std::string> earlier_logs(const std::string& folder) {
-  std::vector<std::string> logs;
-  std::error_code ec;
-  for (fs::directory_iterator entry(folder, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
-    const fs::path& file = entry->path();
-    if (file.extension() == ".lcm" && file.filename().string().starts_with(kPrefix)) logs.push_back(file.string());
-  }
-  std::sort(logs.begin(), logs.end());
-  return logs;
-}
 
 }  // namespace
 
@@ -48,6 +36,10 @@ struct Recording::Impl {
   std::mutex mutex;
   std::shared_ptr<drivers::Recorder> recorder;  // whoever adds keeps it alive meanwhile
   bool told = false;
+  std::optional<Error> refused;  // why the last start() was none
+
+  Result<void> start();
+  Result<drivers::Recorder> open_recorder(drivers::RecorderOptions options);
 };
 
 Recording::Recording(const RecordingConfig& config, const drivers::SourceInfo& info, bool lossless)
@@ -65,30 +57,56 @@ void Recording::configure(const RecordingConfig& config) {
   impl_->config = config;
 }
 
-Result<void> Recording::start() {
-  const std::lock_guard<std::mutex> lock(impl_->mutex);
-  const RecordingConfig& config = impl_->config;
-  if (impl_->recorder) return {};
+// The first name that is free. Another daemon, or a clock that began at the same time before, may have taken it.
+Result<drivers::Recorder> Recording::Impl::open_recorder(drivers::RecorderOptions options) {
+  constexpr int kTries = 100;
+  const std::int64_t now_s = utc_now_ns() / 1'000'000'000;
+  options.older_files = own_logs(config.folder);
+  for (int run = next_run(config.folder, now_s), last = run + kTries;; ++run) {
+    options.path = config.folder + "/" + log_name(now_s, run);
+    auto started = drivers::Recorder::start(options, *info);
+    std::error_code ec;
+    if (started || run == last || !fs::exists(drivers::first_file_of(options), ec)) {
+      if (started) spdlog::info("recording into {}", options.path);
+      return started;
+    }
+  }
+}
+
+Result<void> Recording::Impl::start() {
   if (config.folder.empty())
     return Error{"cannot record", "recording.folder is empty", "name a folder in the configuration"};
   std::error_code ec;
   fs::create_directories(config.folder, ec);
   if (ec) return Error{"cannot record", config.folder, ec.message() + ": name a folder that can be written"};
   drivers::RecorderOptions options;
-  options.path = fmt::format("{}/{}{:%Y%m%dT%H%M%SZ}.lcm", config.folder, kPrefix,
-                             fmt::gmtime(static_cast<std::time_t>(utc_now_ns() / 1'000'000'000)));
   options.max_file_bytes = std::max<std::int64_t>(1, std::min(config.max_file_mb, config.max_total_mb / 2)) * kMegabyte;
   options.max_total_bytes = config.max_total_mb * kMegabyte;
   options.max_queue_bytes = config.queue_mb * kMegabyte;
-  options.wait_when_full = impl_->lossless;
-  options.older_files = earlier_logs(config.folder);
-  auto recorder = drivers::Recorder::start(options, *impl_->info);
-  if (!recorder) return recorder.error();
-  impl_->recorder = std::make_shared<drivers::Recorder>(std::move(*recorder));
-  impl_->told = false;
-  impl_->active.store(true, std::memory_order_release);
-  spdlog::info("recording into {}", options.path);
+  options.wait_when_full = lossless;
+  auto opened = open_recorder(std::move(options));
+  if (!opened) return opened.error();
+  recorder = std::make_shared<drivers::Recorder>(std::move(*opened));
   return {};
+}
+
+Result<void> Recording::start() {
+  std::shared_ptr<drivers::Recorder> failed;  // its thread is waited for without the lock
+  {
+    const std::lock_guard<std::mutex> lock(impl_->mutex);
+    if (impl_->recorder && !impl_->recorder->failure()) return {};
+    failed = std::move(impl_->recorder);
+    impl_->active.store(false, std::memory_order_release);
+  }
+  if (failed) static_cast<void>(failed->stop());
+  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  if (impl_->recorder) return {};
+  const auto started = guarded("recording", [&] { return impl_->start(); });
+  impl_->told = false;
+  impl_->refused.reset();
+  if (!started) impl_->refused = started.error();
+  impl_->active.store(started.ok(), std::memory_order_release);
+  return started;
 }
 
 Result<void> Recording::stop() {
@@ -97,6 +115,7 @@ Result<void> Recording::stop() {
     const std::lock_guard<std::mutex> lock(impl_->mutex);
     recorder = std::move(impl_->recorder);
     impl_->active.store(false, std::memory_order_release);
+    impl_->refused.reset();
   }
   if (!recorder) return {};
   Result<void> done = recorder->stop();
@@ -133,12 +152,13 @@ void Recording::add(const std::string& channel, const std::uint8_t* data, std::s
 }
 
 std::string Recording::status() {
-  const std::lock_guard<std::mutex> lock(impl_->mutex);
+  const std::unique_lock<std::mutex> lock(impl_->mutex, std::try_to_lock);
+  if (!lock.owns_lock()) return "recording, the disk is waited for";  // the watchdog's feeder waits for no disk
+  if (impl_->refused) return printable("recording failed: " + impl_->refused->line());
   if (!impl_->recorder) return "";
   if (const auto failure = impl_->recorder->failure()) {
-    if (!impl_->told) spdlog::error(failure->line());
-    impl_->told = true;
-    return "recording failed";
+    if (!std::exchange(impl_->told, true)) spdlog::error(failure->line());
+    return printable("recording failed: " + failure->line());
   }
   const drivers::RecorderCounts counts = impl_->recorder->counts();
   return fmt::format("recording, {} pairs, {} left out", counts.pairs, counts.left_out);

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <systemd/sd-daemon.h>
 
+#include "core/base/printable.h"
+
 namespace cliquevo::daemon {
 
 bool Service::is_managed() { return std::getenv("NOTIFY_SOCKET") != nullptr; }
@@ -14,7 +16,7 @@ void Service::ready() {
   sd_notify(0, "READY=1");
 }
 
-void Service::status(const std::string& text) { sd_notify(0, ("STATUS=" + text).c_str()); }
+void Service::status(const std::string& text) { sd_notify(0, ("STATUS=" + printable(text)).c_str()); }
 void Service::feed_watchdog() { sd_notify(0, "WATCHDOG=1"); }
 void Service::reloading() {
   if (is_ready_) sd_notify(0, "RELOADING=1");

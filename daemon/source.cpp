@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/saturating.h"
 #include "drivers/recording.h"
 #ifdef CLIQUEVO_ARAVIS
 #include "drivers/aravis.h"
@@ -37,8 +38,7 @@ class PingPong : public FrameSource {
   Result<bool> next(StereoPair& pair) override {
     const StereoPair& frame = frames_[at_];
     if (played_ > 0) {
-      const TimestampNs way_ns = frame.stamp_ns - frames_[before_].stamp_ns;
-      stamp_ns_ += way_ns < 0 ? -way_ns : way_ns;
+      stamp_ns_ = saturated_sum(stamp_ns_, saturated_distance(frame.stamp_ns, frames_[before_].stamp_ns));
     } else {
       stamp_ns_ = frame.stamp_ns;
     }

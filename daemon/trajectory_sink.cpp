@@ -4,6 +4,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/caught.h"
 #include "core/rt/ring.h"
 #include "core/rt/thread.h"
 #include "daemon/trajectory_file.h"
@@ -23,7 +24,8 @@ struct TrajectorySink::Impl {
     StampedPose pose;
     while (waiting.wait_pop(pose)) {
       if (error) continue;  // one error is enough; go on emptying the ring
-      if (auto ok = writer.append(pose.stamp_ns, pose.T_world_camera); !ok) error = ok.error();
+      const auto ok = guarded("trajectory", [&] { return writer.append(pose.stamp_ns, pose.T_world_camera); });
+      if (!ok) error = ok.error();
     }
   }
 

@@ -17,11 +17,16 @@ namespace cliquevo::drivers {
 struct RecorderOptions {
   std::string path;                  // of the log; with max_file_bytes a number comes before its extension
   std::int64_t max_file_bytes = 0;   // a new file when this one has so many; 0 = one file, however large
-  std::int64_t max_total_bytes = 0;  // of all files and `older_files`: the oldest are removed; 0 = no limit
+  std::int64_t max_total_bytes = 0;  // of all files and `older_files`: the oldest of our own go; 0 = no limit
   std::int64_t max_queue_bytes = std::int64_t{64} << 20;
   bool wait_when_full = false;           // hold up who adds pairs instead of leaving them out
-  std::vector<std::string> older_files;  // oldest first: may be removed too
+  std::vector<std::string> older_files;  // oldest first: removed too where they are logs that we wrote
 };
+
+// The name of the first file that a recorder with these options writes.
+std::string first_file_of(const RecorderOptions& options);
+// Whether the file is one that a recorder wrote, by its content.
+bool is_own_log(const std::string& path);
 
 struct RecorderCounts {
   std::int64_t pairs = 0;     // written

@@ -2,6 +2,7 @@
 #include "stereo/worker_pool.h"
 
 #include <chrono>
+#include <utility>
 
 namespace cliquevo::stereo {
 
@@ -57,15 +58,31 @@ void WorkerPool::start_and_wait() {
     round_.fetch_add(1);
     round_.notify_all();
   }
-  call_(job_, 0);
+  do_share(0);
   for (int left = pending_.load(); left != 0; left = pending_.load()) wait_for_change(pending_, left, awake_);
+  if (failed_.exchange(false)) {
+    failing_.clear();
+    std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+}
+
+// An exception is kept for who waits: nobody's job may go while another still works on it.
+void WorkerPool::do_share(int index) {
+  try {
+    call_(job_, index);
+  } catch (...) {
+    if (!failing_.test_and_set()) {
+      failure_ = std::current_exception();
+      failed_.store(true);
+    }
+  }
 }
 
 void WorkerPool::work(int index) {
   for (unsigned seen = 0;; ++seen) {
     wait_for_change(round_, seen, awake_);
     if (stop_.load()) return;
-    call_(job_, index);
+    do_share(index);
     if (pending_.fetch_sub(1) == 1) pending_.notify_all();
   }
 }

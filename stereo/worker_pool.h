@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <exception>
 #include <thread>
 #include <vector>
 
@@ -21,7 +22,8 @@ class WorkerPool {
   // Of the threads beside the caller's.
   std::vector<std::thread::native_handle_type> handles();
 
-  // Calls job(0) ... job(workers() - 1), one on each thread, and returns when all are done.
+  // Calls job(0) ... job(workers() - 1), one on each thread, and returns when all are done. What one of
+  // them throws comes out then.
   template <class Job>
   void run(Job&& job) {
     call_ = [](void* of, int index) { (*static_cast<std::remove_reference_t<Job>*>(of))(index); };
@@ -31,6 +33,7 @@ class WorkerPool {
 
  private:
   void start_and_wait();
+  void do_share(int index);
   void work(int index);
 
   const bool awake_;  // whether threads wait awake for a moment: not where they would take each other's cores
@@ -39,6 +42,9 @@ class WorkerPool {
   std::atomic<unsigned> round_{0};
   std::atomic<int> pending_{0};
   std::atomic<bool> stop_{false};
+  std::atomic_flag failing_;  // taken by the first share that throws
+  std::atomic<bool> failed_{false};
+  std::exception_ptr failure_;
   std::vector<std::thread> threads_;
 };
 

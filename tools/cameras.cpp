@@ -12,6 +12,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "core/base/caught.h"
+#include "core/base/printable.h"
 #include "daemon/source.h"
 #include "drivers/camera_options.h"
 #include "tools/camera_run.h"
@@ -49,15 +51,16 @@ std::vector<SeenCamera> list_all() {
 int list() {
   const std::vector<SeenCamera> seen = list_all();
   for (const SeenCamera& camera : seen) {
-    fmt::print("{:<10}{}\n          {}\n", camera.family, camera.id, camera.description);
-    if (!camera.formats.empty()) fmt::print("          formats {}\n", fmt::join(camera.formats, ", "));
+    fmt::print("{:<10}{}\n          {}\n", camera.family, printable(camera.id), printable(camera.description));
+    if (!camera.formats.empty())
+      fmt::print("          formats {}\n", printable(fmt::format("{}", fmt::join(camera.formats, ", "))));
   }
   for (std::size_t i = 0; i + 1 < seen.size(); ++i) {
     if (seen[i].family != seen[i + 1].family || (i > 0 && seen[i].family == seen[i - 1].family)) continue;
     fmt::print(
         "\n# The first two of {} as a pair; swap them if the eyes are crossed, and name the calibration:\n"
         "source:\n  type: {}\n  cameras:\n    left: \"{}\"\n    right: \"{}\"\n    calibration: \"\"\n",
-        seen[i].family, seen[i].family, seen[i].id, seen[i + 1].id);
+        seen[i].family, seen[i].family, printable(seen[i].id), printable(seen[i + 1].id));
   }
   if (seen.empty()) {
     return report({"no camera found", daemon::built_in_sources(),
@@ -141,7 +144,8 @@ bool unplug_once(const daemon::SourceConfig& config) {
   std::atomic<std::int64_t> pairs{0};
   std::thread reader([&] {
     drivers::StereoPair pair;
-    for (auto more = (*source)->next(pair); more.ok() && *more; more = (*source)->next(pair)) ++pairs;
+    const auto next = [&] { return guarded("cameras", [&] { return (*source)->next(pair); }); };
+    for (auto more = next(); more.ok() && *more; more = next()) ++pairs;
   });
   bool lost = false;
   bool back = false;
@@ -149,7 +153,7 @@ bool unplug_once(const daemon::SourceConfig& config) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     const std::string status = (*source)->status();
     const bool eye_lost = status.find("lost") != std::string::npos || status.find("reconnecting") != std::string::npos;
-    if (eye_lost && !lost) fmt::print("  {}\n", status), std::fflush(stdout);
+    if (eye_lost && !lost) fmt::print("  {}\n", printable(status)), std::fflush(stdout);
     lost = lost || eye_lost;
     const std::int64_t before = pairs;
     if (lost && !eye_lost) {

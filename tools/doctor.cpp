@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/printable.h"
 #include "tools/examination.h"
 #include "tools/exit_code.h"
 
@@ -38,8 +39,8 @@ void print_table(const std::vector<Finding>& findings) {
   std::size_t subject_width = 0;
   for (const Finding& f : findings) subject_width = std::max(subject_width, f.subject.size());
   for (const Finding& f : findings) {
-    fmt::print("{:<{}}  {:<15}  {}\n", f.subject, subject_width, name_of(f.verdict), f.found);
-    if (f.verdict != Verdict::good) fmt::print("{:<{}}  {:<15}  -> {}\n", "", subject_width, "", f.remedy);
+    fmt::print("{:<{}}  {:<15}  {}\n", f.subject, subject_width, name_of(f.verdict), printable(f.found));
+    if (f.verdict != Verdict::good) fmt::print("{:<{}}  {:<15}  -> {}\n", "", subject_width, "", printable(f.remedy));
   }
 }
 

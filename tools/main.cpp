@@ -1,13 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // cliquevo: one command for recordings, trajectories and pictures.
-#include <exception>
 #include <memory>
 #include <string>
 
 #include <CLI/CLI.hpp>
 
+#include "core/base/caught.h"
+#include "daemon/standard_streams.h"
 #include "tools/cameras.h"
 #include "tools/commands.h"
+#include "tools/ctl.h"
 #include "tools/doctor.h"
 #include "tools/exit_code.h"
 #include "tools/help_format.h"
@@ -19,6 +21,7 @@
 namespace {
 
 using namespace cliquevo::tools;
+namespace daemon = cliquevo::daemon;
 
 // The sub-command the line names, for "see ... --help".
 std::string command_name(const CLI::App& app) {
@@ -45,6 +48,7 @@ int run(int argc, char** argv) {
 #ifdef CLIQUEVO_ARAVIS
   add_hil_command(app, exit_code);
 #endif
+  add_ctl_command(app, exit_code);
   add_doctor_command(app, exit_code);
   add_spy_command(app, exit_code);
   try {
@@ -63,9 +67,13 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  daemon::keep_standard_streams();
+  int exit_code = kBadInput;
   try {
-    return run(argc, argv);
-  } catch (const std::exception& error) {  // out of memory, a library at its end
-    return report({"cannot go on", "cliquevo", error.what()});
+    exit_code = run(argc, argv);
+  } catch (...) {  // out of memory, a library at its end
+    return report(cliquevo::caught("cliquevo"));
   }
+  if (const auto ok = daemon::flush_stdout(); !ok && exit_code == kDone) return report(ok.error());
+  return exit_code;
 }

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/printable.h"
 #include "core/base/time.h"
 
 namespace cliquevo::tools {
@@ -45,18 +46,18 @@ void Progress::update(std::int64_t done, double distance_m, const std::string& s
   last_ns_ = now_ns;
   const double elapsed_s = static_cast<double>(now_ns - begin_ns_) * 1e-9;
   const double rate_hz = elapsed_s > 0.0 ? static_cast<double>(done) / elapsed_s : 0.0;
-  const std::string line = progress_line(done, total_, rate_hz, distance_m, status, terminal_);
+  const std::string line = progress_line(done, total_, rate_hz, distance_m, printable(status), terminal_);
   if (terminal_) {
-    fmt::print(stderr, "\r{}\033[K", line);
+    std::fputs(fmt::format("\r{}\033[K", line).c_str(), stderr);  // a stderr that takes nothing is no reason to end
     drawn_ = true;
   } else {
-    fmt::print(stderr, "{}\n", line);
+    std::fputs((line + "\n").c_str(), stderr);
   }
   std::fflush(stderr);
 }
 
 void Progress::finish() {
-  if (drawn_) fmt::print(stderr, "\n");
+  if (drawn_) std::fputs("\n", stderr);
   drawn_ = false;
 }
 

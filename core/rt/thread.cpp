@@ -2,17 +2,22 @@
 #include "core/rt/thread.h"
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <limits.h>
 #include <pthread.h>
 #include <sched.h>
+#include <unistd.h>
 #include <utility>
 
+#include "core/base/caught.h"
+#include "core/base/printable.h"
 #include "core/rt/memory.h"
 
 namespace cliquevo::rt {
 
 struct Thread::Impl {
+  std::string name;
   std::function<void()> body;
   std::size_t prefault_bytes = 0;
   pthread_t handle{};
@@ -24,6 +29,13 @@ void note(std::string& shortfall, const std::string& what, int error) {
   if (error == 0) return;
   if (!shortfall.empty()) shortfall += "; ";
   shortfall += what + ": " + std::strerror(error);
+}
+
+// The last resort for a body that lets an exception out: one line, and the exit code of a bad environment.
+[[noreturn]] void end_program(const Error& error) {
+  const std::string line = printable(error.line()) + "\n";
+  if (::write(STDERR_FILENO, line.data(), line.size()) < 0) std::_Exit(1);
+  std::_Exit(1);
 }
 
 }  // namespace
@@ -50,6 +62,7 @@ Result<Thread> Thread::start(const ThreadOptions& options, std::function<void()>
   Thread thread;
   thread.impl_ = std::make_unique<Impl>();
   Impl* impl = thread.impl_.get();
+  impl->name = options.name;
   impl->body = std::move(body);
   const std::size_t stack = std::max<std::size_t>(options.stack_bytes, PTHREAD_STACK_MIN);
   impl->prefault_bytes = stack / 2;
@@ -60,7 +73,11 @@ Result<Thread> Thread::start(const ThreadOptions& options, std::function<void()>
   const auto run = [](void* argument) -> void* {
     auto* self = static_cast<Impl*>(argument);
     prefault_stack(self->prefault_bytes);
-    self->body();
+    try {
+      self->body();
+    } catch (...) {
+      end_program(caught(self->name));
+    }
     return nullptr;
   };
   const int failed = pthread_create(&impl->handle, &attributes, run, impl);

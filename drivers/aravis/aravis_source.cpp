@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/caught.h"
 #include "drivers/aravis.h"
 #include "drivers/aravis/aravis_camera.h"
 #include "drivers/live_pairs.h"
@@ -54,10 +55,17 @@ class AravisPair final : public FrameSource {
     cameras_[0].emplace(std::move(left));
     cameras_[1].emplace(std::move(right));
     for (const Eye eye : {Eye::left, Eye::right}) {
-      threads_.emplace_back([this, eye] { run(eye); });
+      threads_.emplace_back([this, eye] {
+        keep_going(
+            "camera's thread", stop_, [&] { run(eye); },
+            [&](const Error& error) { pairs_.set_state(eye, error.line()); });
+      });
     }
     if (options_.trigger == CameraTrigger::software || options_.trigger == CameraTrigger::action) {
-      threads_.emplace_back([this] { trigger(); });
+      threads_.emplace_back([this] {
+        keep_going(
+            "trigger", stop_, [&] { trigger(); }, [](const Error&) {});
+      });
     }
   }
   ~AravisPair() override {

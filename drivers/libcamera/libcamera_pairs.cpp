@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/caught.h"
+
 namespace cliquevo::drivers {
 
 namespace {
@@ -49,7 +51,10 @@ Result<std::unique_ptr<LibcameraPairs>> LibcameraPairs::open(const CameraOptions
   for (std::size_t i = 0; i < eyes; ++i) {
     if (auto ok = out->cameras_[i]->start(); !ok) return ok.error();
   }
-  out->watcher_ = std::thread([self = out.get()] { self->watch(); });
+  out->watcher_ = std::thread([self = out.get()] {
+    keep_going(
+        "cameras' thread", self->stop_, [&] { self->watch(); }, [](const Error&) {});
+  });
   return out;
 }
 

@@ -7,6 +7,7 @@
 
 #include <cliquevo/calibration_t.hpp>
 
+#include "drivers/recording/bytes.h"
 #include "drivers/recording/calibration_common.h"
 
 namespace cliquevo::drivers {
@@ -59,6 +60,21 @@ void put(const Image<std::uint8_t>& mask, std::int32_t& size, std::vector<std::u
   size = static_cast<std::int32_t>(out.size());
 }
 
+// Whether the message is as long as its own counts say, which the generated decoder takes memory for unseen.
+bool is_whole(const std::uint8_t* data, std::size_t size) {
+  // From the texts to the masks: an empty message but for type, time, two texts of one byte and two counts.
+  const auto between = static_cast<std::size_t>(calibration_t{}.getEncodedSize()) - 2 * 8 - 2 * (4 + 1) - 2 * 4;
+  ByteReader reader(data, size);
+  const auto counted = [&reader](std::int32_t least) {
+    const auto count = reader.number<std::int32_t>();
+    return count >= least && reader.bytes(static_cast<std::size_t>(count)) != nullptr;
+  };
+  reader.bytes(2 * 8);  // type, time
+  const bool texts = counted(1) && counted(1);
+  reader.bytes(between);
+  return texts && counted(0) && counted(0) && reader.ok() && reader.left() == 0;
+}
+
 bool read_mask(const std::vector<std::uint8_t>& bytes, const CameraCalibration& of, Image<std::uint8_t>& mask) {
   if (bytes.empty()) return true;
   if (bytes.size() != static_cast<std::size_t>(of.width) * static_cast<std::size_t>(of.height)) return false;
@@ -98,7 +114,7 @@ std::vector<std::uint8_t> encode_calibration(const SourceInfo& info, TimestampNs
 
 Result<SourceInfo> parse_calibration_message(const std::uint8_t* data, std::size_t size, const std::string& path) {
   const auto bad = [&path] { return calibration_error("calibration message is torn or of another version", path); };
-  if (size > (std::size_t{1} << 30)) return bad();
+  if (size > (std::size_t{1} << 30) || !is_whole(data, size)) return bad();
   calibration_t m{};
   try {  // the generated decoder takes negative lengths for huge ones
     if (m.decode(data, 0, static_cast<int>(size)) < 0) return bad();

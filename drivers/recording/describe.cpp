@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/printable.h"
+
 namespace cliquevo::drivers {
 
 std::string describe_geometry(const StereoModel& m, double sigma_disparity_px) {
@@ -26,7 +28,7 @@ std::string describe_source(const SourceInfo& info) {
   out += info.calibration.rectified ? ", rectified" : ", as grabbed";
   if (!info.calibration.source.empty()) out += ", calibration " + info.calibration.source;
   if (!info.left_mask.empty() || !info.right_mask.empty()) out += ", masked";
-  return out;
+  return printable(out);  // names of files and cameras
 }
 
 }  // namespace cliquevo::drivers

@@ -5,19 +5,14 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <filesystem>
+#include <optional>
 #include <sys/stat.h>
-#include <system_error>
 #include <unistd.h>
 #include <utility>
-
-#include <lcm/eventlog.h>
 
 #include "drivers/recording/bytes.h"
 
 namespace cliquevo::drivers {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -26,24 +21,47 @@ namespace {
 constexpr std::uint32_t kMagic = 0xEDA1DA01;
 constexpr std::int64_t kHeader = 28;
 constexpr std::int32_t kLongestChannel = 255;
-constexpr std::int64_t kSearchStep = 1 << 16;
+constexpr std::size_t kWindow = 1 << 16;
+constexpr const char* kThereAlready = "it is there already: name a new file";
+
+bool write_all(int descriptor, const std::uint8_t* data, std::size_t size) {
+  while (size > 0) {
+    const ssize_t written = ::write(descriptor, data, size);
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    data += written;
+    size -= static_cast<std::size_t>(written);
+  }
+  return true;
+}
+
+// The beginning of an event, if `head` is one and can end within `left` bytes.
+std::optional<LoggedEvent> event_at(std::int64_t at, const std::uint8_t* head, std::size_t head_size, std::int64_t left,
+                                    std::int32_t& channel_size) {
+  ByteReader reader(head, head_size);
+  const auto magic = reader.number<std::uint32_t>();
+  reader.number<std::int64_t>();
+  LoggedEvent event;
+  event.utime = reader.number<std::int64_t>();
+  channel_size = reader.number<std::int32_t>();
+  event.size = reader.number<std::int32_t>();
+  event.data_at = at + kHeader + channel_size;
+  const bool sane = reader.ok() && magic == kMagic && channel_size > 0 && channel_size <= kLongestChannel &&
+                    event.size >= 0 && kHeader + channel_size + event.size <= left;
+  return sane ? std::optional(event) : std::nullopt;
+}
 
 }  // namespace
 
 struct EventLogWriter::Impl {
   ~Impl() {
-    if (log != nullptr) lcm_eventlog_destroy(log);
+    if (descriptor >= 0) ::close(descriptor);
   }
-  // What stdio still holds may reach the file while it is closed: cut off afterwards.
-  void close_behind_last_event() {
-    lcm_eventlog_destroy(log);
-    log = nullptr;
-    std::error_code ignored;
-    fs::resize_file(path, static_cast<std::uintmax_t>(bytes), ignored);
-  }
-  lcm_eventlog_t* log = nullptr;
+  int descriptor = -1;
   std::string path;
   std::int64_t bytes = 0;
+  std::int64_t events = 0;
+  std::vector<std::uint8_t> head;  // of the event in work
 };
 
 EventLogWriter::EventLogWriter(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -54,13 +72,11 @@ std::int64_t EventLogWriter::bytes() const { return impl_->bytes; }
 const std::string& EventLogWriter::path() const { return impl_->path; }
 
 Result<EventLogWriter> EventLogWriter::create(const std::string& path) {
-  std::error_code ec;
-  if (fs::exists(path, ec)) return Error{"cannot write log", path, "it is there already: name a new file"};
   auto impl = std::make_unique<Impl>();
   impl->path = path;
-  errno = 0;
-  impl->log = lcm_eventlog_create(path.c_str(), "w");
-  if (impl->log == nullptr) {
+  impl->descriptor = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0640);
+  if (impl->descriptor < 0) {
+    if (errno == EEXIST) return Error{"cannot write log", path, kThereAlready};
     return Error{"cannot write log", path, std::string(std::strerror(errno)) + ": name a file in a folder of yours"};
   }
   return EventLogWriter(std::move(impl));
@@ -69,21 +85,26 @@ Result<EventLogWriter> EventLogWriter::create(const std::string& path) {
 Result<void> EventLogWriter::write(const std::string& channel, const std::uint8_t* data, std::size_t size,
                                    std::int64_t utime) {
   Impl& m = *impl_;
-  if (m.log == nullptr) return Error{"cannot write log", m.path, "an earlier event did not fit"};
-  lcm_eventlog_event_t event{};
-  event.timestamp = utime;
-  event.channellen = static_cast<std::int32_t>(channel.size());
-  event.datalen = static_cast<std::int32_t>(size);
-  event.channel = const_cast<char*>(channel.data());
-  event.data = const_cast<std::uint8_t*>(data);
-  errno = 0;
-  // Out with it at once: what is in the program's own memory goes with the program.
-  if (lcm_eventlog_write_event(m.log, &event) != 0 || std::fflush(m.log->f) != 0) {
-    const std::string why = std::strerror(errno);
-    m.close_behind_last_event();
-    return Error{"cannot write log", m.path, why + ": it holds everything before; free some space"};
+  if (m.descriptor < 0) return Error{"cannot write log", m.path, "an earlier event did not fit"};
+  if (size > INT32_MAX || channel.size() > static_cast<std::size_t>(kLongestChannel)) {
+    return Error{"cannot write log", m.path, "an event is too large for a log"};
   }
-  m.bytes += kHeader + event.channellen + event.datalen;
+  m.head.clear();
+  put_number(m.head, kMagic);
+  put_number(m.head, m.events);
+  put_number(m.head, utime);
+  put_number(m.head, static_cast<std::int32_t>(channel.size()));
+  put_number(m.head, static_cast<std::int32_t>(size));
+  m.head.insert(m.head.end(), channel.begin(), channel.end());
+  if (!write_all(m.descriptor, m.head.data(), m.head.size()) || !write_all(m.descriptor, data, size)) {
+    const std::string why = std::strerror(errno);
+    const bool cut = ::ftruncate(m.descriptor, m.bytes) == 0;  // behind the last whole event
+    ::close(std::exchange(m.descriptor, -1));
+    return Error{"cannot write log", m.path,
+                 why + (cut ? ": it holds everything before" : ": its last event is torn") + "; free some space"};
+  }
+  ++m.events;
+  m.bytes += static_cast<std::int64_t>(m.head.size() + size);
   return {};
 }
 
@@ -117,7 +138,7 @@ bool EventLogReader::read_at(std::int64_t at, void* out, std::size_t size) const
   while (size > 0) {
     const ssize_t got = ::pread(descriptor_, to, size, at);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) return false;
+    if (got <= 0) return {};
     to += got;
     at += got;
     size -= static_cast<std::size_t>(got);
@@ -125,46 +146,34 @@ bool EventLogReader::read_at(std::int64_t at, void* out, std::size_t size) const
   return true;
 }
 
-// The next place that begins like an event, at `from` or behind; the file's size when there is none.
-std::int64_t EventLogReader::find_event(std::int64_t from) const {
-  std::vector<std::uint8_t> window(static_cast<std::size_t>(kSearchStep) + 3);
-  for (std::int64_t at = from; at + 4 <= size_; at += kSearchStep) {
-    const auto count = static_cast<std::size_t>(std::min<std::int64_t>(size_ - at, kSearchStep + 3));
-    if (!read_at(at, window.data(), count)) break;
-    for (std::size_t i = 0; i + 4 <= count; ++i) {
-      if (window[i] == 0xED && ByteReader(&window[i], 4).number<std::uint32_t>() == kMagic) {
-        return at + static_cast<std::int64_t>(i);
-      }
-    }
-  }
-  return size_;
-}
-
 LogDamage EventLogReader::scan(const std::function<void(std::string_view, const LoggedEvent&)>& on_event) const {
   LogDamage damage;
   std::int64_t whole_until = 0;
-  std::array<std::uint8_t, kHeader + kLongestChannel> bytes{};
+  std::vector<std::uint8_t> window(kWindow);  // what is in memory of the file, from window_at on
+  std::int64_t window_at = 0;
+  std::size_t window_size = 0;
+  bool broken = false;  // looking for the next event
   for (std::int64_t at = 0; at < size_;) {
-    const auto here = static_cast<std::size_t>(std::min<std::int64_t>(size_ - at, bytes.size()));
-    if (!read_at(at, bytes.data(), here)) break;
-    ByteReader reader(bytes.data(), here);
-    const auto magic = reader.number<std::uint32_t>();
-    reader.number<std::int64_t>();
-    LoggedEvent event;
-    event.utime = reader.number<std::int64_t>();
-    const auto channel_size = reader.number<std::int32_t>();
-    event.size = reader.number<std::int32_t>();
-    event.data_at = at + kHeader + channel_size;
-    const bool sane = reader.ok() && magic == kMagic && channel_size > 0 && channel_size <= kLongestChannel &&
-                      event.size >= 0 && event.data_at + event.size <= size_;
-    if (!sane) {
-      const std::int64_t next = find_event(at + 1);
-      if (next < size_) ++damage.broken_places;
-      at = next;
+    const auto needed = static_cast<std::size_t>(std::min<std::int64_t>(size_ - at, kHeader + kLongestChannel));
+    if (at < window_at || at + static_cast<std::int64_t>(needed) > window_at + static_cast<std::int64_t>(window_size)) {
+      // Behind an event only its neighbour's head is wanted; where one is looked for, all that comes.
+      window_at = at;
+      window_size = broken ? static_cast<std::size_t>(std::min<std::int64_t>(size_ - at, kWindow)) : needed;
+      if (!read_at(at, window.data(), window_size)) break;
+    }
+    const std::uint8_t* here = &window[static_cast<std::size_t>(at - window_at)];
+    const std::size_t in_memory = window_size - static_cast<std::size_t>(at - window_at);
+    std::int32_t channel_size = 0;
+    const auto event = event_at(at, here, needed, size_ - at, channel_size);
+    if (!event) {
+      broken = true;
+      const void* next = in_memory > 1 ? std::memchr(here + 1, kMagic >> 24U, in_memory - 1) : nullptr;
+      at += next == nullptr ? static_cast<std::int64_t>(in_memory) : static_cast<const std::uint8_t*>(next) - here;
       continue;
     }
-    on_event({reinterpret_cast<const char*>(bytes.data()) + kHeader, static_cast<std::size_t>(channel_size)}, event);
-    at = event.data_at + event.size;
+    if (std::exchange(broken, false)) ++damage.broken_places;
+    on_event({reinterpret_cast<const char*>(here) + kHeader, static_cast<std::size_t>(channel_size)}, *event);
+    at = event->data_at + event->size;
     whole_until = at;
   }
   damage.torn_tail = size_ - whole_until;
@@ -177,6 +186,21 @@ Result<void> EventLogReader::read(const LoggedEvent& event, std::vector<std::uin
     return Error{"cannot read log", path_, "the file changed while it was read"};
   }
   return {};
+}
+
+std::string first_channel(const std::string& path) {
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+  if (descriptor < 0) return {};
+  struct stat status = {};
+  std::array<std::uint8_t, kHeader + kLongestChannel> head{};
+  const bool ordinary = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode);
+  const ssize_t got = ordinary ? ::pread(descriptor, head.data(), head.size(), 0) : -1;
+  ::close(descriptor);
+  if (got <= 0) return {};
+  std::int32_t channel_size = 0;
+  const auto event = event_at(0, head.data(), static_cast<std::size_t>(got), status.st_size, channel_size);
+  if (!event) return {};
+  return {reinterpret_cast<const char*>(head.data()) + kHeader, static_cast<std::size_t>(channel_size)};
 }
 
 bool looks_like_event_log(const std::string& path) {

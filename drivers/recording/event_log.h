@@ -15,7 +15,7 @@ namespace cliquevo::drivers {
 
 class EventLogWriter {
  public:
-  // The file must not be there yet.
+  // The file must not be there yet; others than owner and group cannot read it.
   static Result<EventLogWriter> create(const std::string& path);
   EventLogWriter(EventLogWriter&&) noexcept;
   EventLogWriter& operator=(EventLogWriter&&) noexcept;
@@ -62,13 +62,14 @@ class EventLogReader {
  private:
   EventLogReader(int descriptor, std::int64_t size, std::string path);
   bool read_at(std::int64_t at, void* out, std::size_t size) const;
-  std::int64_t find_event(std::int64_t from) const;
 
   int descriptor_ = -1;
   std::int64_t size_ = 0;
   std::string path_;
 };
 
+// The channel of its first event, if it is an ordinary file (no link) that begins with a whole one; else empty.
+std::string first_channel(const std::string& path);
 // Whether the file begins as an event log does.
 bool looks_like_event_log(const std::string& path);
 

@@ -105,9 +105,9 @@ class Collector {
   std::vector<std::uint8_t> bytes_;
 };
 
-// A damaged log may hold any number.
+// A damaged log may hold any number: the difference of two stamps still is one.
 TimestampNs from_us(std::int64_t us) {
-  constexpr std::int64_t kMostUs = INT64_MAX / 1000;
+  constexpr std::int64_t kMostUs = INT64_MAX / 2000;
   return std::clamp(us, -kMostUs, kMostUs) * 1000;
 }
 

@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/caught.h"
+#include "core/base/saturating.h"
 #include "drivers/recording/image_reader.h"
 #include "drivers/recording/pairing.h"
 
@@ -40,10 +42,11 @@ class PairReader {
     if (k == 0) {
       stamp_ns_ = recorded_ns;
     } else {
-      stamp_ns_ += count == 1 ? period_ns_ : std::abs(recorded_ns - last_recorded_ns_);
+      const std::int64_t step_ns = count == 1 ? period_ns_ : saturated_distance(recorded_ns, last_recorded_ns_);
+      stamp_ns_ = saturated_sum(stamp_ns_, step_ns);
     }
     last_recorded_ns_ = recorded_ns;
-    pair.index = options_.first + k * options_.every;
+    pair.index = saturated_sum(options_.first, step(k));
     pair.stamp_ns = stamp_ns_;
     pair.truth_T_world_camera.reset();
     pair.right_offset_ns = 0;
@@ -53,6 +56,11 @@ class PairReader {
   }
 
  private:
+  std::int64_t step(std::int64_t k) const {
+    std::int64_t product = 0;
+    return __builtin_mul_overflow(k, options_.every, &product) ? INT64_MAX : product;
+  }
+
   std::unique_ptr<PairStore> store_;
   RecordingOptions options_;
   std::int64_t period_ns_ = 0;
@@ -109,7 +117,7 @@ class Recording final : public FrameSource {
         changed_.wait(lock, [this] { return stop_ || filled_ < slots_.size(); });
         if (stop_) return;
       }
-      slot.result = reader_.next(slot.pair);
+      slot.result = guarded("reading ahead", [&] { return reader_.next(slot.pair); });
       const bool end = slot.result.ok() && !*slot.result;
       {
         const std::lock_guard<std::mutex> lock(mutex_);
@@ -182,7 +190,7 @@ Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const Recordi
   }
   const std::int64_t last = o.last < 0 ? count - 1 : o.last;
   std::vector<std::int64_t> chosen;
-  for (std::int64_t i = o.first; i <= last; i += o.every) chosen.push_back(i);
+  for (std::int64_t i = o.first; i <= last; i = saturated_sum(i, o.every)) chosen.push_back(i);
   return chosen;
 }
 

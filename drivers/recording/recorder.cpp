@@ -11,6 +11,7 @@
 
 #include <fmt/format.h>
 
+#include "core/base/caught.h"
 #include "drivers/recording/calibration_message.h"
 #include "drivers/recording/event_log.h"
 #include "drivers/recording/stereo_message.h"
@@ -24,6 +25,13 @@ namespace {
 TimestampNs utc_now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
       .count();
+}
+
+std::string file_of(const RecorderOptions& options, int number) {
+  if (options.max_file_bytes <= 0) return options.path;
+  const fs::path whole(options.path);
+  const std::string name = fmt::format("{}-{:03d}{}", whole.stem().string(), number, whole.extension().string());
+  return (whole.parent_path() / name).string();
 }
 
 struct Event {
@@ -78,14 +86,7 @@ Result<void> Recorder::Impl::open_next() {
     kept.push_back({writer->path(), writer->bytes()});
     writer.reset();
   }
-  std::string path = options.path;
-  if (options.max_file_bytes > 0) {
-    const fs::path whole(options.path);
-    path =
-        (whole.parent_path() / fmt::format("{}-{:03d}{}", whole.stem().string(), number++, whole.extension().string()))
-            .string();
-  }
-  auto opened = EventLogWriter::create(path);
+  auto opened = EventLogWriter::create(file_of(options, number++));
   if (!opened) return opened.error();
   writer.emplace(std::move(*opened));
   const std::lock_guard<std::mutex> lock(mutex);
@@ -100,7 +101,8 @@ void Recorder::Impl::make_room() {
   for (const File& file : kept) total += file.bytes;
   while (total > options.max_total_bytes && !kept.empty()) {
     std::error_code ignored;
-    fs::remove(kept.front().path, ignored);
+    // Looked at again: somebody may have put another file in its place.
+    if (is_own_log(kept.front().path)) fs::remove(kept.front().path, ignored);
     total -= kept.front().bytes;
     kept.pop_front();
   }
@@ -130,7 +132,7 @@ void Recorder::Impl::run() {
     waiting.pop_front();
     const bool go_on = !failure;
     lock.unlock();
-    const Result<void> done = go_on ? write(event) : Result<void>();
+    const Result<void> done = go_on ? guarded("recording", [&] { return write(event); }) : Result<void>();
     lock.lock();
     waiting_bytes -= static_cast<std::int64_t>(event.data.size());
     if (!done.ok()) failure = done.error();
@@ -178,7 +180,11 @@ bool Recorder::Impl::queue(std::size_t bytes, bool is_pair, bool may_wait, std::
 Result<Recorder> Recorder::start(const RecorderOptions& options, const SourceInfo& info) {
   auto impl = std::make_unique<Impl>(options, encode_calibration(info, utc_now_ns()));
   if (auto ok = impl->open_next(); !ok) return ok.error();
-  impl->thread = std::thread([self = impl.get()] { self->run(); });
+  const auto started = guarded("recording", [&] {
+    impl->thread = std::thread([self = impl.get()] { self->run(); });
+    return Result<void>();
+  });
+  if (!started) return started.error();
   return Recorder(std::move(impl));
 }
 
@@ -239,6 +245,10 @@ Result<void> Recorder::stop() {
   if (impl_->failure) return *impl_->failure;
   return {};
 }
+
+std::string first_file_of(const RecorderOptions& options) { return file_of(options, 0); }
+
+bool is_own_log(const std::string& path) { return first_channel(path) == kCalibrationChannel; }
 
 std::int64_t log_utime(const SourceInfo& info, const StereoPair& pair) {
   if (!info.live) return pair.stamp_ns / 1000;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/recording/stereo_message.h"
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <string_view>
@@ -42,6 +43,9 @@ void put_eye(std::vector<std::uint8_t>& out, const Image<std::uint8_t>& image, T
   if (host_ns != 0) put_metadata(out, kHostKey, host_ns);
 }
 
+// A damaged log may hold any number: the difference of two such stamps still is one.
+TimestampNs bounded(std::int64_t ns) { return std::clamp(ns, -INT64_MAX / 2, INT64_MAX / 2); }
+
 std::string_view text(ByteReader& reader) {
   const auto length = reader.number<std::int32_t>();
   const std::uint8_t* bytes = length > 0 ? reader.bytes(static_cast<std::size_t>(length)) : nullptr;
@@ -60,8 +64,8 @@ void read_metadata(ByteReader& reader, StereoMessageEye& eye) {
     const std::uint8_t* value = length >= 0 ? reader.bytes(static_cast<std::size_t>(length)) : nullptr;
     if (value == nullptr || length != 8) continue;
     const auto number = ByteReader(value, 8).number<std::int64_t>();
-    if (key == kStampKey) eye.stamp_ns = number;
-    if (key == kHostKey) eye.host_ns = number;
+    if (key == kStampKey) eye.stamp_ns = bounded(number);
+    if (key == kHostKey) eye.host_ns = bounded(number);
   }
 }
 
@@ -69,7 +73,7 @@ Result<StereoMessageEye> read_eye(ByteReader& reader, const std::string& name) {
   StereoMessageEye eye;
   eye.stamp_ns = reader.number<std::int64_t>();
   if (eye.stamp_ns > INT64_MAX / 1000 || eye.stamp_ns < INT64_MIN / 1000) return unusable(name, "its stamp is absurd");
-  eye.stamp_ns *= 1000;
+  eye.stamp_ns = bounded(eye.stamp_ns * 1000);
   const auto width = reader.number<std::int32_t>();
   const auto height = reader.number<std::int32_t>();
   const auto stride = reader.number<std::int32_t>();

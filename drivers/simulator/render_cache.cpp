@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <system_error>
 #include <unistd.h>
@@ -26,6 +27,7 @@ namespace {
 
 constexpr char kMagic[8] = {'c', 'v', 'o', 'p', 'a', 'i', 'r', '1'};
 constexpr const char* kPrefix = "simulator-";
+constexpr const char* kNote = "options.txt";
 
 struct Header {
   char magic[8];
@@ -103,6 +105,51 @@ std::string store_root(const SimulatorOptions& options) {
   return {};
 }
 
+std::uint64_t hash_of(const std::string& key) {
+  return checksum(reinterpret_cast<const std::uint8_t*>(key.data()), key.size());
+}
+
+// A scene's folder as we make it: a folder, no link, named after the hash of what its note says.
+bool is_scene(const fs::path& folder) {
+  std::error_code error;
+  const std::string name = folder.filename().string();
+  if (!name.starts_with(kPrefix) || !fs::is_directory(fs::symlink_status(folder, error))) return false;
+  constexpr std::uintmax_t kLongestNote = 1 << 16;
+  const fs::path note = folder / kNote;
+  if (!fs::is_regular_file(fs::symlink_status(note, error)) || fs::file_size(note, error) > kLongestNote) return false;
+  std::ifstream file(note, std::ios::binary);
+  const std::string key{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  return key.starts_with("render=") && name.ends_with(fmt::format("-{:016x}", hash_of(key)));
+}
+
+// NNNNNN.pair, or what an interrupted store left of one: NNNNNN.pair.PROCESS.COUNT.
+bool is_pair(const fs::directory_entry& entry) {
+  std::error_code error;
+  const std::string name = entry.path().filename().string();
+  const std::size_t digits = name.find_first_not_of("0123456789");
+  return digits != std::string::npos && digits >= 6 && name.compare(digits, 5, ".pair") == 0 &&
+         name.find_first_not_of("0123456789.", digits + 5) == std::string::npos &&
+         fs::is_regular_file(entry.symlink_status(error));
+}
+
+template <typename Use>
+void for_each_pair(const fs::path& folder, const Use& use) {
+  std::error_code error;
+  for (fs::directory_iterator file(folder, error), last; !error && file != last; file.increment(error)) {
+    if (is_pair(*file)) use(*file);
+  }
+}
+
+// Of a folder with anything else in it, that stays.
+void remove_scene(const fs::path& folder) {
+  std::vector<fs::path> pairs;
+  for_each_pair(folder, [&](const fs::directory_entry& file) { pairs.push_back(file.path()); });
+  std::error_code error;
+  for (const fs::path& pair : pairs) fs::remove(pair, error);
+  fs::remove(folder / kNote, error);
+  fs::remove(folder, error);
+}
+
 // Removes the scene folders that were not used for longest until `limit` bytes suffice; returns what is free.
 std::int64_t make_room(const fs::path& root, const fs::path& keep, std::int64_t limit) {
   struct Scene {
@@ -114,24 +161,36 @@ std::int64_t make_room(const fs::path& root, const fs::path& keep, std::int64_t 
   std::int64_t total = 0;
   std::error_code error;
   for (fs::directory_iterator it(root, error), end; !error && it != end; it.increment(error)) {
-    if (!it->path().filename().string().starts_with(kPrefix)) continue;
+    if (!is_scene(it->path())) continue;
     std::error_code ignored;
-    Scene scene{it->path(), fs::last_write_time(it->path() / "options.txt", ignored), 0};
-    for (fs::directory_iterator file(it->path(), ignored), last; !ignored && file != last; file.increment(ignored)) {
+    Scene scene{it->path(), fs::last_write_time(it->path() / kNote, ignored), 0};
+    for_each_pair(it->path(), [&](const fs::directory_entry& file) {
       std::error_code gone;
-      const auto size = file->file_size(gone);
+      const auto size = file.file_size(gone);
       if (!gone) scene.bytes += static_cast<std::int64_t>(size);
-    }
+    });
     total += scene.bytes;
     if (scene.path != keep) scenes.push_back(scene);
   }
   std::sort(scenes.begin(), scenes.end(), [](const Scene& a, const Scene& b) { return a.used < b.used; });
   for (const Scene& scene : scenes) {
     if (total <= limit) break;
-    fs::remove_all(scene.path, error);
+    remove_scene(scene.path);
     total -= scene.bytes;
   }
   return limit - total;
+}
+
+// Says what the folder holds; its time is that of the last use. Whole or not at all: it is what the folder is known by.
+void write_note(const fs::path& note, const std::string& key) {
+  std::error_code error;
+  if (fs::file_size(note, error) == key.size() && !error) {
+    fs::last_write_time(note, fs::file_time_type::clock::now(), error);
+    return;
+  }
+  const fs::path temporary = fmt::format("{}.{}", note.string(), ::getpid());
+  std::ofstream(temporary, std::ios::binary) << key;
+  fs::rename(temporary, note, error);
 }
 
 }  // namespace
@@ -168,18 +227,12 @@ RenderCache::RenderCache(const SimulatorOptions& options) : width_(options.width
   const std::string root = store_root(options);
   if (root.empty()) return;
   const std::string key = render_key(options);
-  const std::uint64_t hash = checksum(reinterpret_cast<const std::uint8_t*>(key.data()), key.size());
+  const std::uint64_t hash = hash_of(key);
   const fs::path folder = fs::path(root) / fmt::format("{}{}-{:016x}", kPrefix, options.course, hash);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return;
-  // Says what the folder holds; its time is that of the last use.
-  const fs::path note = folder / "options.txt";
-  if (!fs::exists(note, error)) {
-    std::ofstream(note) << key;
-  } else {
-    fs::last_write_time(note, fs::file_time_type::clock::now(), error);
-  }
+  write_note(folder / kNote, key);
   room_bytes_ = make_room(root, folder, static_cast<std::int64_t>(options.cache_limit_gb * 1e9));
   folder_ = folder.string();
 }

@@ -17,7 +17,8 @@ std::string render_key(const SimulatorOptions& options);
 class RenderCache {
  public:
   // Below options.cache_dir ("none": every call misses). A folder that cannot be written is as no cache. Makes room
-  // first when the store is above options.cache_limit_gb: the scene folders not used for longest go.
+  // first when the store is above options.cache_limit_gb: the scene folders not used for longest
+  // go, none but those that a RenderCache made.
   explicit RenderCache(const SimulatorOptions& options);
 
   bool enabled() const { return !folder_.empty(); }

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "core/base/caught.h"
 #include "drivers/simulator/camera_sets.h"
 #include "drivers/simulator/course.h"
 #include "drivers/simulator/fault.h"
@@ -71,7 +73,8 @@ class RenderedSimulator : public Simulator {
       Slot& slot = slots_[static_cast<std::size_t>(next_) % slots_.size()];
       {
         std::unique_lock<std::mutex> lock(mutex_);
-        changed_.wait(lock, [&] { return slot.holds == next_; });
+        changed_.wait(lock, [&] { return slot.holds == next_ || failure_; });
+        if (slot.holds != next_) return *failure_;
       }
       if (auto ok = deliver(frame, slot.pair, pair); !ok) return ok.error();
       const std::lock_guard<std::mutex> lock(mutex_);
@@ -115,6 +118,16 @@ class RenderedSimulator : public Simulator {
   }
 
   void work() {
+    const auto done = guarded("simulator", [this] { return render_all(), Result<void>(); });
+    if (done) return;
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      failure_ = done.error();
+    }
+    changed_.notify_all();
+  }
+
+  void render_all() {
     RenderScratch scratch;
     for (;;) {
       std::int64_t mine = 0;
@@ -199,6 +212,7 @@ class RenderedSimulator : public Simulator {
   std::int64_t taken_ = 0;
   std::int64_t consumed_ = 0;
   bool stop_ = false;
+  std::optional<Error> failure_;  // of a thread
   std::vector<std::thread> threads_;
 };
 

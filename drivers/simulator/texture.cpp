@@ -3,8 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <numbers>
-#include <thread>
+#include <tuple>
+#include <utility>
 
 #include "drivers/simulator/gradient_noise.h"
 #include "drivers/simulator/hash.h"
@@ -407,14 +409,12 @@ Panorama make_sky() {
 const Textures& textures() {
   static const Textures kMade = [] {
     Textures t;
-    std::thread gravel([&] { t.gravel = make_gravel(); });
-    std::thread sky([&] {
-      t.sky = make_sky();
-      t.stone = make_stone();
-    });
+    // What one of them throws (no memory) comes out of get().
+    auto gravel = std::async(std::launch::async, make_gravel);
+    auto sky = std::async(std::launch::async, [] { return std::pair(make_sky(), make_stone()); });
     t.grass = make_grass();
-    gravel.join();
-    sky.join();
+    t.gravel = gravel.get();
+    std::tie(t.sky, t.stone) = sky.get();
     return t;
   }();
   return kMade;

@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/caught.h"
+
 namespace cliquevo::drivers {
 
 namespace {
@@ -54,7 +56,9 @@ V4l2Pairs::V4l2Pairs(const CameraOptions& options, const PairSyncOptions& sync, 
     : options_(options), width_(width), height_(height), pairs_(sync, width, height) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
     threads_.emplace_back([this, eye = i == 0 ? Eye::left : Eye::right, camera = std::move(cameras[i])]() mutable {
-      run(eye, std::move(camera));
+      keep_going(
+          "camera's thread", stop_, [&] { run(eye, std::move(camera)); },
+          [&](const Error& error) { pairs_.set_state(eye, error.line()); });
     });
   }
 }

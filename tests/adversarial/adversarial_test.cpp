@@ -36,8 +36,7 @@ bool is_lie(const vo::Estimate& e, const RigidTransform& truth, std::string& wha
       "contradiction {:.2f}, running ground {:.2f} of what is allowed, disparities off by {:.3f} +- {:.3f} px",
       sigmas, 1e3 * apart.t.norm(), 1e3 * truth.t.norm(), kDegrees * apart.angle(), kDegrees * truth.angle(), e.clique,
       e.matches, e.inliers, e.checks[vo::Check::contradiction].ratio(), e.checks[vo::Check::running_ground].ratio(),
-      e.calibration.disparity_offset_px,
-      e.calibration.disparity_offset_sigma_px);
+      e.calibration.disparity_offset_px, e.calibration.disparity_offset_sigma_px);
   return !(sigmas <= 5.0) && (far || turned);
 }
 
@@ -77,8 +76,8 @@ void run_cases(std::uint64_t begin, std::uint64_t count, bool (*wanted)(Kind)) {
         ++tally.solvable;
         tally.solved += valid ? 1 : 0;
         if (talk && !valid) {
-          fmt::print("unsolved {} {}, frame {}: {}, checks failed {:x}\n", kind_name(c.kind),
-                     c.text, i, status_name(e.status), e.checks.failed());
+          fmt::print("unsolved {} {}, frame {}: {}, checks failed {:x}\n", kind_name(c.kind), c.text, i,
+                     status_name(e.status), e.checks.failed());
         }
       }
     }

@@ -28,6 +28,7 @@
 namespace cliquevo {
 namespace {
 
+constexpr const char* kCommands = "lcm: {command_channel: VO_COMMAND}\n";
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
 class Subscriber {
@@ -286,7 +287,7 @@ TEST(DaemonMessages, SigtermEndsItCleanlyWithEveryPoseOfAProcessedFrameOut) {
 TEST(DaemonMessages, ACommandResetsThePose) {
   CLIQUEVO_NEEDS_PRIVATE_NETWORK();
   Subscriber subscriber;
-  const std::string config = write_config(test::scratch_dir(), small_course(10, 1.0, "pingpong"));
+  const std::string config = write_config(test::scratch_dir(), small_course(10, 1.0, "pingpong") + kCommands);
   test::Subprocess daemon({test::binary("cliquevod"), "--config", config});
   lcm::LCM lcm(kUrl);
   command_t command{};
@@ -315,7 +316,7 @@ TEST(DaemonMessages, CommandsStartAndStopARecordingThatPlays) {
   Subscriber subscriber;
   const std::string dir = test::scratch_dir();
   const std::string config =
-      write_config(dir, small_course(10, 1.0, "pingpong") + "recording: {folder: " + dir + "/logs}\n");
+      write_config(dir, small_course(10, 1.0, "pingpong") + kCommands + "recording: {folder: " + dir + "/logs}\n");
   test::Subprocess daemon({test::binary("cliquevod"), "--config", config});
   lcm::LCM lcm(kUrl);
   const auto logs = [&] {
@@ -354,7 +355,7 @@ TEST(DaemonMessages, CommandsStartAndStopARecordingThatPlays) {
   EXPECT_EQ(fs::file_size(first), size);
   // Another folder, read again while it runs, holds from the next recording on. One that began before it was read is
   // stopped again.
-  write_config(dir, small_course(10, 1.0, "pingpong") + "recording: {folder: " + dir + "/others}\n");
+  write_config(dir, small_course(10, 1.0, "pingpong") + kCommands + "recording: {folder: " + dir + "/others}\n");
   daemon.send(SIGHUP);
   ASSERT_TRUE(until([&] { return fs::exists(dir + "/others") && !fs::is_empty(dir + "/others"); },
                     [&] { ask(subscriber.recording ? command_t::STOP_RECORDING : command_t::START_RECORDING); }));

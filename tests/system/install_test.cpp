@@ -18,10 +18,11 @@ TEST(Install, PutsAllInPlaceAndAnotherProjectLinksTheLibrary) {
   const std::string root = dir + "/root";
   const test::Finished installed = test::run({"cmake", "--install", CLIQUEVO_BUILD_DIR}, {{"DESTDIR", root}});
   ASSERT_EQ(installed.exit_code, 0) << installed.err;
-  for (const char* path : {"usr/bin/cliquevo", "usr/bin/cliquevod", "usr/lib/systemd/system/cliquevod.service",
-                           "usr/lib/sysusers.d/cliquevo.conf", "usr/lib/sysctl.d/60-cliquevo.conf",
-                           "usr/lib/udev/rules.d/60-cliquevo.rules", "etc/cliquevo/cliquevo.yaml",
-                           "usr/share/cliquevo/lcmtypes/pose_t.lcm"}) {
+  for (const char* path :
+       {"usr/bin/cliquevo", "usr/bin/cliquevod", "usr/lib/systemd/system/cliquevod.service",
+        "usr/lib/sysusers.d/cliquevo.conf", "usr/lib/sysctl.d/60-cliquevo.conf",
+        "usr/lib/udev/rules.d/60-cliquevo.rules", "etc/cliquevo/cliquevo.yaml",
+        "usr/share/cliquevo/lcmtypes/pose_t.lcm", "usr/share/doc/cliquevo/examples/network-cameras.conf"}) {
     EXPECT_TRUE(fs::exists(fs::path(root) / path)) << path;
   }
   const test::Finished check =

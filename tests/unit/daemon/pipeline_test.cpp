@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <atomic>
+#include <new>
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -31,6 +33,10 @@ class Counter : public drivers::FrameSource {
       ++at_;
       return Error{"torn image", "frame", "copy it again"};
     }
+    if (at_ == throws_at) {
+      ++at_;
+      throw std::bad_alloc();
+    }
     if (at_ >= frames_) return false;
     pair.index = at_;
     pair.stamp_ns = 1'000 + at_ * period_ns_;
@@ -38,7 +44,9 @@ class Counter : public drivers::FrameSource {
     given = at_;
     return true;
   }
+  void be_live() { info_.live = true; }
   std::int64_t torn_at = -1;
+  std::int64_t throws_at = -1;
   std::atomic<std::int64_t> given{0};
 
  private:
@@ -334,6 +342,61 @@ TEST(Pipeline, EveryFrameIsInTheHistograms) {
   }
   EXPECT_GE(pipeline->histogram(Span::stereo).percentiles().p50_ns, 2'000'000);
   EXPECT_GE(pipeline->histogram(Span::total).percentiles().p50_ns, 2'000'000);
+}
+
+// Whatever a library throws, and wherever: an error with the thread's name, and every thread ends.
+TEST(Pipeline, AnExceptionAnywhereEndsARecordingWithAnError) {
+  for (const int where : {0, 1, 2, 3}) {
+    Bench bench;
+    PipelineWork work = bench.work();
+    auto source = std::make_unique<Counter>(400, 10.0);
+    const auto fail_at = [](const FrameSlot& slot) {
+      if (slot.pair.index == 20) throw std::bad_alloc();
+    };
+    if (where == 0) source->throws_at = 20;
+    if (where == 1) work.stereo = [&, old = work.stereo](FrameSlot& slot) { return fail_at(slot), old(slot); };
+    if (where == 2) work.odometry = [&, old = work.odometry](FrameSlot& slot) { return fail_at(slot), old(slot); };
+    if (where == 3) {
+      work.output = [&, old = work.output](const PublishedFrame& frame) {
+        if (frame.index == 20) throw std::bad_alloc();
+        old(frame);
+      };
+    }
+    auto pipeline = Pipeline::start({.speed = 0.0}, std::move(work), std::move(source));
+    ASSERT_TRUE(pipeline.ok());
+    ASSERT_TRUE(pipeline->wait_finished(60 * kSecondNs)) << where;
+    ASSERT_FALSE(pipeline->outcome().ok()) << where;
+    EXPECT_EQ(pipeline->outcome().error().remedy, "no memory left") << where;
+    EXPECT_GE(bench.out.size(), 20U) << where;
+  }
+}
+
+TEST(Pipeline, ALiveSourceGoesOnAfterAnExceptionAnywhere) {
+  Bench bench;
+  PipelineWork work = bench.work();
+  auto source = std::make_unique<Counter>(60, 0.0);
+  source->be_live();
+  source->throws_at = 10;
+  work.stereo = [old = work.stereo](FrameSlot& slot) {
+    if (slot.pair.index == 20) throw std::runtime_error("stereo");
+    return old(slot);
+  };
+  work.odometry = [old = work.odometry](FrameSlot& slot) {
+    if (slot.pair.index == 30) throw std::runtime_error("odometry");
+    return old(slot);
+  };
+  work.output = [old = work.output](const PublishedFrame& frame) {
+    if (frame.index == 40) throw std::runtime_error("output");
+    old(frame);
+  };
+  auto pipeline = Pipeline::start({.catch_up_frames = 31}, std::move(work), std::move(source));
+  ASSERT_TRUE(pipeline.ok());
+  ASSERT_TRUE(pipeline->wait_finished(60 * kSecondNs));
+  EXPECT_TRUE(pipeline->outcome().ok());
+  EXPECT_EQ(pipeline->counts().source_errors, 1);
+  EXPECT_EQ(bench.resets, pipeline->counts().resets);
+  EXPECT_LE(pipeline->counts().resets, 1) << "after the odometry's, if that frame was not skipped";
+  EXPECT_GT(bench.out.size(), 3U);
 }
 
 }  // namespace

@@ -79,5 +79,33 @@ TEST(Pacer, DoesNotCatchUpByABurstAfterALongDelay) {
   EXPECT_EQ(pacer.due_ns(2'000, 50'010), 51'000);
 }
 
+TEST(PingPong, StampsAtTheEndOfTheRangeStayInIt) {
+  class Absurd : public Greys {
+   public:
+    Absurd() : Greys(2) {}
+    Result<bool> next(drivers::StereoPair& pair) override {
+      auto more = Greys::next(pair);
+      pair.stamp_ns = pair.index == 0 ? INT64_MIN : INT64_MAX;
+      return more;
+    }
+  };
+  auto source = make_pingpong(std::make_unique<Absurd>());
+  ASSERT_TRUE(source.ok());
+  drivers::StereoPair pair;
+  for (int i = 0; i < 6; ++i) ASSERT_TRUE((*source)->next(pair).ok());
+  EXPECT_EQ(pair.stamp_ns, INT64_MAX);
+}
+
+TEST(Pacer, AStampFarAwayIsDueInACenturyAtMost) {
+  for (const double speed : {1e-300, 1.0, 1e300}) {
+    Pacer pacer(speed);
+    for (const TimestampNs stamp_ns : {TimestampNs{0}, INT64_MAX, INT64_MIN, TimestampNs{1}}) {
+      const std::int64_t due_ns = pacer.due_ns(stamp_ns, 1000);
+      EXPECT_GE(due_ns, 1000);
+      EXPECT_LT(due_ns, std::int64_t{4} << 60);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace cliquevo::daemon

@@ -4,11 +4,16 @@
 
 #include <filesystem>
 #include <fstream>
+#include <sys/resource.h>
+#include <sys/stat.h>
 
 #include <gtest/gtest.h>
 
+#include "core/base/time.h"
 #include "drivers/recorder.h"
 #include "drivers/recording.h"
+#include "drivers/recording/calibration_message.h"
+#include "tests/support/subprocess.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/drivers/made_up_source.h"
 
@@ -141,6 +146,58 @@ TEST(EventLog, AFileThatIsNoLogIsRefusedInOneLine) {
   const auto source = open(path);
   ASSERT_FALSE(source.ok());
   EXPECT_NE(source.error().line().find("LCM event log"), std::string::npos) << source.error().line();
+}
+
+// Each of two million places begins like an event.
+TEST(EventLog, MagicOverAndOverIsReadThroughAtOnce) {
+  const std::string path = test::scratch_dir() + "/a.lcm";
+  std::string bytes;
+  for (int i = 0; i < 2'000'000; ++i) bytes += "\xED\xA1\xDA\x01";
+  const std::string whole = test::read_file(make_log());
+  std::ofstream(path, std::ios::binary) << whole << bytes << whole;
+  const std::int64_t begin_ns = monotonic_ns();
+  const auto log = EventLogReader::open(path);
+  ASSERT_TRUE(log.ok());
+  std::int64_t events = 0;
+  const LogDamage damage = log->scan([&](std::string_view, const LoggedEvent&) { ++events; });
+  EXPECT_LT(monotonic_ns() - begin_ns, 10'000'000'000);  // a minute before
+  EXPECT_EQ(events, 2 * (kPairs + 1));
+  EXPECT_EQ(damage.broken_places, 1);
+  EXPECT_EQ(damage.torn_tail, 0);
+}
+
+TEST(EventLog, AMaskOfTwoGigabytesInAShortMessageIsNotBelieved) {
+  const SourceInfo info = test::made_up_info(32, 24);
+  const std::vector<std::uint8_t> whole = encode_calibration(info, 1'000'000);
+  ASSERT_TRUE(parse_calibration_message(whole.data(), whole.size(), "a.lcm").ok());
+  // The two last numbers are the sizes of the masks; here there are none.
+  for (const std::size_t from_end : {std::size_t{4}, std::size_t{8}}) {
+    for (const std::uint32_t size : {0x7fffffffU, 0xffffffffU, 0x80000000U, 1U}) {
+      std::vector<std::uint8_t> torn = whole;
+      for (std::size_t i = 0; i < 4; ++i) {
+        torn[torn.size() - from_end + i] = static_cast<std::uint8_t>(size >> (24 - 8 * i));
+      }
+      EXPECT_FALSE(parse_calibration_message(torn.data(), torn.size(), "a.lcm").ok()) << size;
+    }
+  }
+  rusage used{};
+  ::getrusage(RUSAGE_SELF, &used);
+  EXPECT_LT(used.ru_maxrss, 1'000'000) << "kB";
+}
+
+TEST(EventLog, WhatAnEventLogBeginsWith) {
+  const std::string dir = test::scratch_dir();
+  const std::string log = make_log();
+  EXPECT_EQ(first_channel(log), "VO_CALIBRATION");
+  EXPECT_TRUE(is_own_log(log));
+  fs::create_symlink(log, dir + "/link.lcm");
+  EXPECT_FALSE(is_own_log(dir + "/link.lcm"));
+  std::ofstream(dir + "/text.lcm") << "a text of more than the twenty-eight bytes that an event begins with";
+  EXPECT_FALSE(is_own_log(dir + "/text.lcm"));
+  EXPECT_FALSE(is_own_log(dir));
+  EXPECT_FALSE(is_own_log(dir + "/none.lcm"));
+  ASSERT_EQ(::mkfifo((dir + "/pipe.lcm").c_str(), 0600), 0);
+  EXPECT_FALSE(is_own_log(dir + "/pipe.lcm"));
 }
 
 }  // namespace

@@ -145,6 +145,35 @@ TEST(Simulator, CachedFramesAreTheRenderedOnesAndTornFilesAreRenderedAgain) {
   EXPECT_EQ(run(options).pixels, fresh.pixels);
 }
 
+TEST(Simulator, TheCacheRemovesWhatItMadeItselfAndNothingElse) {
+  namespace fs = std::filesystem;
+  SimulatorOptions options = small("");
+  options.cache_dir = test::scratch_dir();
+  const std::string root = options.cache_dir;
+  run(options);
+  ASSERT_EQ(std::distance(fs::directory_iterator(root), fs::directory_iterator()), 1);
+  const fs::path scene = fs::directory_iterator(root)->path();
+  // Named alike, but of somebody else: no note, a note of another scene, a link, a file.
+  fs::create_directories(root + "/simulator-results");
+  std::ofstream(root + "/simulator-results/thesis.txt") << std::string(100'000, 'x');
+  fs::copy(scene, root + "/simulator-wheeled-0123456789abcdef");
+  const std::string elsewhere = test::scratch_dir();
+  fs::copy(scene, elsewhere + "/kept");
+  fs::create_directory_symlink(elsewhere + "/kept", root + "/" + scene.filename().string() + "x");
+  std::ofstream(root + "/simulator-plan.md") << "plan";
+  // Something of the user's beside the pairs of a scene of ours.
+  std::ofstream(scene / "notes.txt") << "mine";
+  options.world_seed = 2;
+  options.cache_limit_gb = 0.0;  // everything must go
+  run(options);
+  EXPECT_TRUE(fs::exists(root + "/simulator-results/thesis.txt"));
+  EXPECT_TRUE(fs::exists(root + "/simulator-wheeled-0123456789abcdef/000000.pair"));
+  EXPECT_TRUE(fs::exists(elsewhere + "/kept/000000.pair"));
+  EXPECT_TRUE(fs::exists(root + "/simulator-plan.md"));
+  EXPECT_TRUE(fs::exists(scene / "notes.txt"));
+  EXPECT_FALSE(fs::exists(scene / "000000.pair"));
+}
+
 TEST(Simulator, AFaultTouchesItsFramesAndNoOthers) {
   const Frames good = run(small(""));
   const std::size_t image = 128U * 96U;

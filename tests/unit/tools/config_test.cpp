@@ -234,5 +234,17 @@ TEST(Config, PositivePitchLooksDownAndPositiveYawToTheLeft) {
   EXPECT_NEAR(left.y(), 1.0, 1e-12);
 }
 
+TEST(Config, WhatIsMadeToBeCostlyIsRefused) {
+  EXPECT_NE(refusal("stereo: &s {window: 9}\nodometry: *s\n").find(":2: aliases"), std::string::npos);
+  EXPECT_EQ(refusal("stereo: &s {window: 9}\n"), "") << "a name alone costs nothing";
+  EXPECT_NE(refusal(std::string(300'000, '#')).find("256 kB"), std::string::npos);
+  EXPECT_NE(refusal("stereo: " + std::string(40, '[') + std::string(40, ']') + "\n").find("too deeply"),
+            std::string::npos);
+  std::string many = "stereo: [";
+  for (int i = 0; i < 20'000; ++i) many += "1,";
+  EXPECT_NE(refusal(many + "1]\n").find("too many"), std::string::npos);
+  EXPECT_NE(refusal("\x01\x02\x03").find("cannot read"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace cliquevo::daemon

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Exceptions of libraries as errors: for the entry of every thread, and around whatever may throw.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <exception>
+#include <new>
+#include <string>
+#include <thread>
+#include <utility>
+
+#include "core/base/result.h"
+
+namespace cliquevo {
+
+// What the exception being handled says; call it in a catch block. The texts of "out of memory" need none.
+inline Error caught(const std::string& where) {
+  try {
+    throw;
+  } catch (const std::bad_alloc&) {
+    return {"cannot go on", where, "no memory left"};
+  } catch (const std::exception& exception) {
+    return {"cannot go on", where, exception.what()};
+  } catch (...) {
+    return {"cannot go on", where, "unknown error"};
+  }
+}
+
+// work() returns a Result; one that throws returns the error instead.
+template <typename Work>
+auto guarded(const char* where, Work&& work) -> decltype(work()) {
+  try {
+    return std::forward<Work>(work)();
+  } catch (...) {
+    return caught(where);
+  }
+}
+
+// body() until it returns; what it throws goes to tell(Error), and after a moment it is called again unless `stop` is
+// set meanwhile. For threads that must live.
+template <typename Body, typename Tell>
+void keep_going(const char* where, const std::atomic<bool>& stop, const Body& body, const Tell& tell) {
+  const auto attempt = [&](const auto& work) { return guarded(where, [&] { return work(), Result<void>(); }); };
+  for (Result<void> done = attempt(body); !done.ok() && !stop; done = attempt(body)) {
+    static_cast<void>(attempt([&] { tell(done.error()); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+}  // namespace cliquevo

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Everything by which the running daemon can be told what to do, and what it answers when asked how it gets on.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include <cliquevo/health_t.hpp>
+
+#include "daemon/command_receiver.h"
+#include "daemon/config.h"
+#include "daemon/control_socket.h"
+#include "daemon/incidents.h"
+#include "daemon/pipeline.h"
+#include "daemon/recording.h"
+
+namespace cliquevo::daemon {
+
+class Commands {
+ public:
+  // Both outlive it.
+  Commands(Pipeline& pipeline, Recording& recording) : pipeline_(pipeline), recording_(recording) {}
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
+
+  // Opens what the configuration names. What cannot be opened is reported, and the daemon goes on without.
+  void listen(const Config& config);
+  void set_status(const health_t& health);
+  Incidents& incidents() { return incidents_; }
+
+ private:
+  Result<std::string> handle(Command command);
+
+  Pipeline& pipeline_;
+  Recording& recording_;
+  Incidents incidents_;
+  std::mutex mutex_;
+  std::string status_ = R"({"state":"starting"})";
+  std::optional<ControlSocket> socket_;  // these two last: their threads use the rest
+  std::optional<CommandReceiver> receiver_;
+};
+
+}  // namespace cliquevo::daemon

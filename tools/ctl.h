@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo ctl: tells the running daemon what to do, and asks how it gets on.
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "core/base/result.h"
+
+namespace cliquevo::tools {
+
+void add_ctl_command(CLI::App& app, int& exit_code);
+
+// The daemon's status, JSON in one line, as some lines for people.
+Result<std::string> status_summary(const std::string& json);
+
+}  // namespace cliquevo::tools
