@@ -16,14 +16,15 @@ namespace cliquevo::drivers {
 namespace {
 
 constexpr long kMostMemory = 768L << 20U;  // of the decoder: progressive images are kept whole as coefficients
-constexpr int kMostScans = 40;             // real files have about ten; each costs a pass over the image
+constexpr std::int64_t kMostScans = 40;
+constexpr std::int64_t kFewScans = 12;
+constexpr std::int64_t kMostWork = 1'000'000'000;  // pixels times scans
 
 struct Decoder {
   jpeg_decompress_struct jpeg;
   jpeg_error_mgr errors;
   jpeg_progress_mgr progress;
   std::jmp_buf back;
-  bool damaged = false;  // pixels were filled in or come from broken data
   bool end_missing = false;
 };
 
@@ -31,17 +32,17 @@ Decoder& decoder_of(j_common_ptr info) { return *static_cast<Decoder*>(info->cli
 
 void give_up(j_common_ptr info) { std::longjmp(decoder_of(info).back, 1); }
 
-// Every warning is counted by its code; only some cost pixels.
+// Every warning is counted; those that cost pixels (filled in, or from broken data) end the decoding.
 void take_message(j_common_ptr info, int level) {
   if (level >= 0) return;  // traces
   ++info->err->num_warnings;
   switch (info->err->msg_code) {
-    case JWRN_HIT_MARKER:         // bits were missing before a marker
+    case JWRN_HIT_MARKER:         // bits are missing before a marker
     case JWRN_HUFF_BAD_CODE:      //
     case JWRN_ARITH_BAD_CODE:     //
     case JWRN_MUST_RESYNC:        // a stretch between restart markers is missing
     case JWRN_BOGUS_PROGRESSION:  //
-      decoder_of(info).damaged = true;
+      give_up(info);
       break;
     case JWRN_JPEG_EOF:
       decoder_of(info).end_missing = true;
@@ -51,8 +52,13 @@ void take_message(j_common_ptr info, int level) {
   }
 }
 
+// Progressive images cost a pass over all pixels a scan; real ones have about ten.
 void watch_scans(j_common_ptr info) {
-  if (info->is_decompressor && reinterpret_cast<j_decompress_ptr>(info)->input_scan_number > kMostScans) give_up(info);
+  if (info->is_decompressor == FALSE) return;
+  const auto& jpeg = *reinterpret_cast<j_decompress_ptr>(info);
+  const std::int64_t pixels = std::int64_t{jpeg.image_width} * jpeg.image_height;
+  const std::int64_t scans = jpeg.input_scan_number;
+  if (scans > kMostScans || (scans > kFewScans && scans * pixels > kMostWork)) give_up(info);
 }
 
 void set_up(Decoder& d, const std::uint8_t* data, std::size_t size) {
@@ -133,7 +139,7 @@ JpegResult decode_jpeg(const std::uint8_t* data, std::size_t size, ImageView<std
     jpeg_start_decompress(&d.jpeg);
     read_rows(d.jpeg, out);
     // What follows the last row (and may be missing) is of no interest; libjpeg has not to finish.
-    result.whole = !d.damaged && (!d.end_missing || luma_is_complete(d.jpeg));
+    result.whole = !d.end_missing || luma_is_complete(d.jpeg);
   }
   result.warnings = static_cast<int>(d.errors.num_warnings);
   jpeg_destroy_decompress(&d.jpeg);

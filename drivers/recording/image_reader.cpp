@@ -35,24 +35,30 @@ Result<void> load(const std::string& path, std::vector<std::uint8_t>& bytes) {
 
 }  // namespace
 
-Result<void> ImageReader::decode(const std::string& path) {
-  if (Result<void> loaded = load(path, bytes_); !loaded) return loaded;
-  if (const std::string bad = decode_image(bytes_, picture_); !bad.empty()) {
-    return Error{"cannot read image", path, bad};
+Result<void> ImageReader::decode(const std::uint8_t* bytes, std::size_t size, const std::string& name) {
+  if (const std::string bad = decode_image({bytes, size}, picture_); !bad.empty()) {
+    return Error{"cannot read image", name, bad};
   }
   if (picture_.warnings > 0) ++warned_;
   return {};
 }
 
 Result<const GreyPicture*> ImageReader::read_as_stored(const std::string& path) {
-  if (Result<void> done = decode(path); !done) return done.error();
+  if (Result<void> loaded = load(path, bytes_); !loaded) return loaded.error();
+  if (Result<void> done = decode(bytes_.data(), bytes_.size(), path); !done) return done.error();
   return &picture_;
 }
 
 Result<void> ImageReader::read(const std::string& path, Image<std::uint8_t>& image) {
+  if (Result<void> loaded = load(path, bytes_); !loaded) return loaded;
+  return decode(bytes_.data(), bytes_.size(), path, image);
+}
+
+Result<void> ImageReader::decode(const std::uint8_t* bytes, std::size_t size, const std::string& name,
+                                 Image<std::uint8_t>& image) {
   // The image's own memory is decoded into: in a sequence nothing is copied or allocated.
   std::swap(image, picture_.bytes);
-  const Result<void> done = decode(path);
+  const Result<void> done = decode(bytes, size, name);
   std::swap(image, picture_.bytes);
   if (!done || !picture_.deep) return done;
   SampleDepth depth;

@@ -2,6 +2,7 @@
 // Image files to grey 8-bit images.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,6 +21,8 @@ class ImageReader {
   // as this image alone shows. Errors name the file: missing, no image, torn (also where the decoder would have filled
   // in grey silently), absurd size (told from the header, before anything is decoded).
   Result<void> read(const std::string& path, Image<std::uint8_t>& image);
+  // The same for a file in memory; `name` tells where it is from.
+  Result<void> decode(const std::uint8_t* bytes, std::size_t size, const std::string& name, Image<std::uint8_t>& image);
   // As stored; the picture is valid until the next call.
   Result<const GreyPicture*> read_as_stored(const std::string& path);
   // For all images from here on: bits by which samples of more than 8 bits are shifted down.
@@ -28,7 +31,7 @@ class ImageReader {
   std::int64_t warned() const { return warned_; }
 
  private:
-  Result<void> decode(const std::string& path);
+  Result<void> decode(const std::uint8_t* bytes, std::size_t size, const std::string& name);
 
   std::vector<std::uint8_t> bytes_;
   GreyPicture picture_;

@@ -46,6 +46,7 @@ DepthSurvey survey_depth(const std::vector<ImagePair>& pairs) {
   bool first = true;
   for (const std::size_t i : spread(pairs.size(), kPairs)) {
     for (const std::string* file : {&pairs[i].left, &pairs[i].right}) {
+      if (file->empty()) continue;
       const auto picture = reader.read_as_stored(*file);
       if (picture.ok()) depth.add(**picture);
     }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "drivers/recording/pairing.h"
 #include "drivers/recording/pair_store.h"
+#include "drivers/recording/pairing.h"
 
 namespace cliquevo::drivers {
 

@@ -7,6 +7,21 @@
 #include <unistd.h>
 #include <vector>
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define CLIQUEVO_THREAD_SANITIZER
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define CLIQUEVO_THREAD_SANITIZER
+#endif
+
+#ifdef CLIQUEVO_THREAD_SANITIZER
+// OpenCV, with which tests compare, initialises GDAL with its codecs: that takes two of its locks in either order, in
+// one thread.
+extern "C" __attribute__((weak, no_sanitize_thread)) const char* __tsan_default_suppressions();  // NOLINT
+extern "C" const char* __tsan_default_suppressions() { return "deadlock:libgdal\n"; }            // NOLINT
+#endif
+
 namespace cliquevo::test {
 
 namespace fs = std::filesystem;

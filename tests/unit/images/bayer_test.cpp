@@ -93,12 +93,12 @@ TEST(Bayer, NoRecordingOfGreyOrColourImagesIsTakenForAMosaic) {
   Image<std::uint8_t> image;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(test::data_dir())) {
     const std::string ending = entry.path().extension().string();
-    if ((ending != ".png" && ending != ".jpg") || seen++ % 9 != 0) continue;
+    if ((ending != ".png" && ending != ".jpg") || seen++ % 25 != 0) continue;
     ASSERT_TRUE(reader.read(entry.path().string(), image).ok()) << entry.path();
     EXPECT_FALSE(evidence_of(image.cview()).is_mosaic()) << entry.path();
     ++images;
   }
-  EXPECT_GT(images, 100);
+  EXPECT_GT(images, 40);
 }
 
 TEST(Bayer, EveryPatternBecomesTheSameGreyWithoutCells) {
