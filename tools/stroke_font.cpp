@@ -86,7 +86,7 @@ constexpr std::array<Glyph, 95> kGlyphs{{
     {0, "0g0c 0i0i"},                         // i
     {1, "1g1b0a 1i1i"},                       // j
     {3, "0i0c 3g0e3c"},                       // k
-    {0, "0i0c"},                              // l
+    {1, "0i0d1c"},                            // l
     {4, "0g0c 0f1g2f2c 2f3g4f4c"},            // m
     {3, "0g0c 0f1g2g3f3c"},                   // n
     {3, "1c0d0f1g2g3f3d2c1c"},                // o

@@ -11,10 +11,10 @@ namespace {
 constexpr int kBlock = 16;  // px a side
 // Over 300 grey and 60 mosaicked images: grey ones reach 0.4 of the texture and 0.015 of the brightness, their two
 // diagonals differ by up to 1.3.
-constexpr double kClear = 1.5;           // between the diagonals, beside texture
-constexpr double kClearWithOther = 0.6;  // enough where red and blue differ as well
-constexpr double kOtherDiagonal = 1.8;   // how much more than the green pixels do red and blue differ
-constexpr double kLeastOfLight = 0.03;
+constexpr double kClear = 1.5;            // between the diagonals, beside texture
+constexpr double kClearWithOther = 0.35;  // enough where red and blue differ as well
+constexpr double kOtherDiagonal = 1.9;    // how much more than the green pixels do red and blue differ
+constexpr double kLeastOfLight = 0.02;
 constexpr double kLeastLevels = 1.5;
 
 struct Cell {
