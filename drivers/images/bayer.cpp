@@ -9,8 +9,8 @@ namespace cliquevo::drivers {
 namespace {
 
 constexpr int kBlock = 16;  // px a side
-// Over 300 grey and 60 mosaicked images: grey ones reach 0.4 of the texture and 0.015 of the brightness, their two
-// diagonals differ by up to 1.3.
+// 260 grey images reach 0.4 of their texture and 0.015 of their brightness, their diagonals differ by up to 1.3: none
+// is taken. Of 984 mosaics, made of 123 colour images in every pattern, 955 are found; the others are almost grey.
 constexpr double kClear = 1.5;            // between the diagonals, beside texture
 constexpr double kClearWithOther = 0.35;  // enough where red and blue differ as well
 constexpr double kOtherDiagonal = 1.9;    // how much more than the green pixels do red and blue differ
