@@ -55,6 +55,10 @@ std::string decode_jpeg_file(Bytes file, GreyPicture& picture) {
   int height = 0;
   if (!read_jpeg_size(file.data(), file.size(), width, height)) return kTorn;
   if (std::string refused = refuse_size(width, height); !refused.empty()) return refused;
+  // Brightness takes a bit at least for each block of 64 pixels.
+  if (std::uint64_t{file.size()} * 8 * 64 < static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height)) {
+    return kTorn;
+  }
   picture.bytes.resize(width, height);
   const JpegResult result = decode_jpeg(file.data(), file.size(), picture.bytes.view());
   picture.warnings = result.warnings;

@@ -16,6 +16,7 @@ namespace {
 
 constexpr tmsize_t kMostOfOneTag = 64 << 20;
 constexpr std::uint32_t kMostTile = 4096;  // px a side
+constexpr std::size_t kSmallTile = std::size_t{1} << 20U;
 
 // The file in memory, as libtiff reads it. It is not mapped: reads are checked here.
 struct Source {
@@ -71,7 +72,24 @@ struct Header {
   bool colour() const { return photometric == PHOTOMETRIC_RGB; }
 };
 
-std::string read_header(TIFF* tiff, Header& out) {
+// Bytes of pixels that a byte of the file can stand for, at most; 0 = a packing that is not read.
+std::uint64_t expansion_of(std::uint16_t compression) {
+  switch (compression) {
+    case COMPRESSION_NONE:
+      return 1;
+    case COMPRESSION_PACKBITS:
+      return 64;
+    case COMPRESSION_DEFLATE:
+    case COMPRESSION_ADOBE_DEFLATE:
+      return 1032;
+    case COMPRESSION_LZW:
+      return 2731;
+    default:
+      return 0;
+  }
+}
+
+std::string read_header(TIFF* tiff, std::size_t file_size, Header& out) {
   std::uint16_t compression = 0;
   std::uint16_t planes = 0;
   std::uint16_t kind = 0;
@@ -85,13 +103,14 @@ std::string read_header(TIFF* tiff, Header& out) {
   TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &kind);
   if (TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &out.photometric) == 0) out.photometric = PHOTOMETRIC_MINISBLACK;
   out.separate = planes == PLANARCONFIG_SEPARATE;
-  const bool packing = compression == COMPRESSION_NONE || compression == COMPRESSION_LZW ||
-                       compression == COMPRESSION_ADOBE_DEFLATE || compression == COMPRESSION_DEFLATE ||
-                       compression == COMPRESSION_PACKBITS;
+  const std::uint64_t expansion = expansion_of(compression);
   const bool grey = out.photometric == PHOTOMETRIC_MINISBLACK || out.photometric == PHOTOMETRIC_MINISWHITE;
   const bool samples =
       out.colour() ? out.samples >= 3 && out.samples <= 4 : grey && out.samples >= 1 && out.samples <= 2;
-  if (packing && samples && (out.bits == 8 || out.bits == 16) && kind == SAMPLEFORMAT_UINT) return {};
+  if (expansion > 0 && samples && (out.bits == 8 || out.bits == 16) && kind == SAMPLEFORMAT_UINT) {
+    const std::uint64_t bytes = std::uint64_t{out.width} * out.height * out.samples * out.bits / 8U;
+    return bytes > file_size * expansion ? kTorn : "";
+  }
   return fmt::format(
       "its kind of TIFF ({} samples of {} bits, photometric {}, compression {}) is not read: convert it to PNG",
       out.samples, out.bits, out.photometric, compression);
@@ -139,6 +158,9 @@ class Pixels {
     TIFFGetField(tiff_, TIFFTAG_TILEWIDTH, &width);
     TIFFGetField(tiff_, TIFFTAG_TILELENGTH, &height);
     if (width == 0 || height == 0 || width > kMostTile || height > kMostTile) return false;
+    // A tile may reach beyond the image, but not by far.
+    const std::size_t image = std::size_t{header_.width} * header_.height;
+    if (std::size_t{width} * height > std::max(kSmallTile, 4 * image)) return false;
     const std::size_t row = std::size_t{width} * stored_;
     for (std::uint32_t y = 0; y < header_.height; y += height) {
       for (std::uint32_t x = 0; x < header_.width; x += width) {
@@ -196,7 +218,7 @@ std::string decode_tiff(Bytes file, GreyPicture& picture) {
   const File tiff = open(source);
   if (!tiff) return kTorn;
   Header header;
-  if (std::string bad = read_header(tiff.get(), header); !bad.empty()) return bad;
+  if (std::string bad = read_header(tiff.get(), file.size(), header); !bad.empty()) return bad;
   const int width = static_cast<int>(header.width);
   const int height = static_cast<int>(header.height);
   picture.deep = header.bits == 16;
