@@ -30,6 +30,13 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("source.recording.pair_tolerance_s", recording.pair_tolerance_s);
   v.file("source.recording.left_mask", recording.left_mask);
   v.file("source.recording.right_mask", recording.right_mask);
+  v.choice("source.recording.bayer", recording.bayer,
+           {{"auto", drivers::Bayer::automatic},
+            {"none", drivers::Bayer::none},
+            {"rggb", drivers::Bayer::rggb},
+            {"bggr", drivers::Bayer::bggr},
+            {"grbg", drivers::Bayer::grbg},
+            {"gbrg", drivers::Bayer::gbrg}});
 
   auto& cameras = c.source.cameras;
   v.key("source.cameras.left", cameras.left);

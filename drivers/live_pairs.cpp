@@ -127,6 +127,11 @@ void LivePairs::count_incomplete(Eye eye) {
   ++incomplete_[static_cast<std::size_t>(eye)];
 }
 
+void LivePairs::count_flawed(Eye eye) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++flawed_[static_cast<std::size_t>(eye)];
+}
+
 void LivePairs::set_state(Eye eye, const std::string& text) {
   const std::lock_guard<std::mutex> lock(mutex_);
   states_[static_cast<std::size_t>(eye)] = text;
@@ -178,6 +183,7 @@ std::string LivePairs::status() const {
     if (l + r > 0) out += ", " + std::string(name) + " " + std::to_string(l) + "/" + std::to_string(r);
   };
   add("incomplete", incomplete_[0], incomplete_[1]);
+  add("taken with flaws that cost no pixel", flawed_[0], flawed_[1]);
   add("missing", left.missing, right.missing);
   add("unpaired", left.unpaired, right.unpaired);
   add("late", left.late, right.late);

@@ -62,6 +62,8 @@ class LivePairs {
   // One camera for both eyes: a pair as it stands.
   void push_pair(const LiveFrame& left, const LiveFrame& right);
   void count_incomplete(Eye eye);
+  // A frame that was taken although its decoder warned.
+  void count_flawed(Eye eye);
   // What the eye's camera is up to ("reconnecting"); empty = it streams.
   void set_state(Eye eye, const std::string& text);
 
@@ -112,6 +114,7 @@ class LivePairs {
   EyeRate rates_[2];
   std::string states_[2];
   std::int64_t incomplete_[2] = {0, 0};
+  std::int64_t flawed_[2] = {0, 0};
   std::int64_t most_waiting_[2] = {0, 0};
   std::size_t most_ready_ = 0;
   std::int64_t overrun_ = 0;  // pairs that nobody took in time

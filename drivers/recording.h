@@ -8,6 +8,7 @@
 #include <string>
 
 #include "drivers/frame_source.h"
+#include "drivers/images/bayer.h"
 
 namespace cliquevo::drivers {
 
@@ -21,6 +22,7 @@ struct RecordingOptions {
   std::optional<double> pair_tolerance_s;  // between the stamps of the two eyes; default a quarter period
   std::string left_mask;                   // image files, 0 = the vehicle's own parts; empty: mask_left.png in the
   std::string right_mask;                  // recording when there is one
+  Bayer bayer = Bayer::automatic;          // whether the images are raw Bayer mosaics
   bool pingpong = false;   // never ends: forward, then backward, ...; the stamps go on by the same steps
   bool read_ahead = true;  // a thread decodes the next pairs meanwhile; same pairs, same errors, same order
 };

@@ -6,23 +6,20 @@
 #include <limits>
 
 #include <fmt/format.h>
-#include <opencv2/imgproc.hpp>
 
 namespace cliquevo::tools {
 
 namespace {
 
-constexpr int kOversampling = 3;
-constexpr int kFont = cv::FONT_HERSHEY_SIMPLEX;
-constexpr double kFontCapHeight = 21.0;  // px at scale 1
 constexpr double kTickText = 13.0;
 constexpr double kLabelText = 15.0;
 constexpr double kTitleText = 18.0;
-constexpr int kShift = 4;  // OpenCV draws to 1/16 px
 
-const cv::Scalar kInk(40, 40, 40);
-const cv::Scalar kFaint(225, 225, 225);
-const cv::Scalar kFrame(120, 120, 120);
+constexpr Color kInk{40, 40, 40};
+constexpr Color kFaint{225, 225, 225};
+constexpr Color kFrame{120, 120, 120};
+constexpr Color kPaper{255, 255, 255};
+constexpr Color kLegendFrame{200, 200, 200};
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -41,92 +38,48 @@ struct Range {
   }
 };
 
-double text_scale(double height_px) { return height_px * kOversampling / kFontCapHeight; }
-int text_thickness(double height_px) {
-  return std::max(1, static_cast<int>(std::lround(height_px * kOversampling / 9.5)));
-}
-
-cv::Size text_size(const std::string& text, double height_px) {
-  int baseline = 0;
-  return cv::getTextSize(text, kFont, text_scale(height_px), text_thickness(height_px), &baseline);
-}
-
-// Text by its left end and middle line; canvas px.
-void put_text(cv::Mat& canvas, const std::string& text, cv::Point2d left_middle, double height_px,
-              const cv::Scalar& color) {
-  const cv::Size size = text_size(text, height_px);
-  cv::putText(
-      canvas, text,
-      {static_cast<int>(std::lround(left_middle.x)), static_cast<int>(std::lround(left_middle.y + size.height / 2.0))},
-      kFont, text_scale(height_px), color, text_thickness(height_px), cv::LINE_AA);
-}
-
-void put_text_centred(cv::Mat& canvas, const std::string& text, cv::Point2d middle, double height_px,
-                      const cv::Scalar& color) {
-  put_text(canvas, text, {middle.x - text_size(text, height_px).width / 2.0, middle.y}, height_px, color);
+void put_text_centred(Canvas& canvas, const std::string& text, Point middle, double height_px) {
+  canvas.text(text, {middle.x - text_width(text, height_px) / 2.0, middle.y}, height_px, kInk);
 }
 
 // Reads from bottom to top.
-void put_text_upright(cv::Mat& canvas, const std::string& text, cv::Point2d middle, double height_px,
-                      const cv::Scalar& color) {
-  const cv::Size size = text_size(text, height_px);
-  cv::Mat strip(2 * size.height, size.width + 8, CV_8UC3, cv::Scalar::all(255));
-  put_text_centred(strip, text, {strip.cols / 2.0, strip.rows / 2.0}, height_px, color);
-  cv::rotate(strip, strip, cv::ROTATE_90_COUNTERCLOCKWISE);
-  const cv::Rect place(static_cast<int>(middle.x - strip.cols / 2.0), static_cast<int>(middle.y - strip.rows / 2.0),
-                       strip.cols, strip.rows);
-  const cv::Rect inside = place & cv::Rect(0, 0, canvas.cols, canvas.rows);
-  strip(inside - place.tl()).copyTo(canvas(inside));
+void put_text_upright(Canvas& canvas, const std::string& text, Point middle, double height_px) {
+  canvas.text(text, {middle.x, middle.y + text_width(text, height_px) / 2.0}, height_px, kInk, true);
 }
 
-cv::Point fixed_point(cv::Point2d p) {
-  constexpr double kScale = 1 << kShift;
-  return {static_cast<int>(std::lround(p.x * kScale)), static_cast<int>(std::lround(p.y * kScale))};
-}
-
-void put_line(cv::Mat& canvas, cv::Point2d a, cv::Point2d b, double width_px, const cv::Scalar& color) {
-  const int thickness = std::max(1, static_cast<int>(std::lround(width_px * kOversampling)));
-  cv::line(canvas, fixed_point(a), fixed_point(b), color, thickness, cv::LINE_AA, kShift);
-}
-
-void put_mark(cv::Mat& canvas, cv::Point2d at, Mark mark, double half_px, const cv::Scalar& color) {
-  const double r = half_px * kOversampling;
+void put_mark(Canvas& canvas, Point at, Mark mark, double r, Color color) {
   switch (mark) {
     case Mark::none:
       break;
     case Mark::disc:
-      cv::circle(canvas, fixed_point(at), static_cast<int>(r * (1 << kShift)), color, cv::FILLED, cv::LINE_AA, kShift);
+      canvas.disc(at, r, color);
       break;
     case Mark::ring:
-      cv::circle(canvas, fixed_point(at), static_cast<int>(r * (1 << kShift)), cv::Scalar::all(255), cv::FILLED,
-                 cv::LINE_AA, kShift);
-      cv::circle(canvas, fixed_point(at), static_cast<int>(r * (1 << kShift)), color, 2 * kOversampling, cv::LINE_AA,
-                 kShift);
+      canvas.ring(at, r, 2.0, color);
       break;
     case Mark::square:
-      cv::rectangle(canvas, fixed_point(at - cv::Point2d(r, r)), fixed_point(at + cv::Point2d(r, r)), color, cv::FILLED,
-                    cv::LINE_AA, kShift);
+      canvas.fill({at.x - r, at.y - r, 2 * r, 2 * r}, color);
       break;
     case Mark::cross:
-      put_line(canvas, at - cv::Point2d(r, r), at + cv::Point2d(r, r), 2.0, color);
-      put_line(canvas, at - cv::Point2d(r, -r), at + cv::Point2d(r, -r), 2.0, color);
+      canvas.line(at - Point{r, r}, at + Point{r, r}, 2.0, color);
+      canvas.line(at - Point{r, -r}, at + Point{r, -r}, 2.0, color);
       break;
   }
 }
 
 // Dashes run on over the corners of the line.
-void put_dashed(cv::Mat& canvas, const std::vector<cv::Point2d>& points, double width_px, const cv::Scalar& color) {
-  constexpr double kDash = 9.0 * kOversampling;
-  constexpr double kGap = 6.0 * kOversampling;
+void put_dashed(Canvas& canvas, const std::vector<Point>& points, double width_px, Color color) {
+  constexpr double kDash = 9.0;
+  constexpr double kGap = 6.0;
   double phase = 0.0;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const cv::Point2d way = points[i + 1] - points[i];
-    const double length = cv::norm(way);
+    const Point way = points[i + 1] - points[i];
+    const double length = std::hypot(way.x, way.y);
     for (double at = 0.0; at < length;) {
       const bool drawn = phase < kDash;
       const double step = std::min(length - at, (drawn ? kDash : kDash + kGap) - phase);
       if (drawn) {
-        put_line(canvas, points[i] + way * (at / length), points[i] + way * ((at + step) / length), width_px, color);
+        canvas.line(points[i] + way * (at / length), points[i] + way * ((at + step) / length), width_px, color);
       }
       at += step;
       phase += step;
@@ -136,14 +89,14 @@ void put_dashed(cv::Mat& canvas, const std::vector<cv::Point2d>& points, double 
   }
 }
 
-void put_series(cv::Mat& canvas, const Series& series, const std::vector<cv::Point2d>& points) {
+void put_series(Canvas& canvas, const Series& series, const std::vector<Point>& points) {
   if (series.width_px > 0.0 && series.dashed) put_dashed(canvas, points, series.width_px, series.color);
   if (series.width_px > 0.0 && !series.dashed) {
     for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      put_line(canvas, points[i], points[i + 1], series.width_px, series.color);
+      canvas.line(points[i], points[i + 1], series.width_px, series.color);
     }
   }
-  for (const cv::Point2d& point : points) put_mark(canvas, point, series.mark, series.mark_px, series.color);
+  for (const Point& point : points) put_mark(canvas, point, series.mark, series.mark_px, series.color);
 }
 
 std::string tick_text(double value, const std::vector<double>& ticks) {
@@ -152,15 +105,15 @@ std::string tick_text(double value, const std::vector<double>& ticks) {
   return fmt::format("{:.{}f}", std::abs(value) < step * 1e-6 ? 0.0 : value, decimals);
 }
 
-// Where the data goes; canvas px.
+// Where the data goes.
 struct Layout {
-  cv::Rect2d plot;
+  Box plot;
   Range x;
   Range y;
   std::vector<double> ticks_x;
   std::vector<double> ticks_y;
-  cv::Point2d to_canvas(cv::Point2d p) const {
-    return {plot.x + (p.x - x.low) / x.span() * plot.width, plot.br().y - (p.y - y.low) / y.span() * plot.height};
+  Point to_canvas(Point p) const {
+    return {plot.x + (p.x - x.low) / x.span() * plot.width, plot.bottom() - (p.y - y.low) / y.span() * plot.height};
   }
 };
 
@@ -171,16 +124,14 @@ void equalise(Range& x, Range& y, double width_px, double height_px) {
   y.widen(0.0, unit * height_px);
 }
 
-Layout lay_out(const Chart& chart, cv::Rect2d area_px, double left_px) {
+Layout lay_out(const Chart& chart, Box area_px, double left_px) {
   constexpr double kRight = 18.0;
   constexpr double kTop = 40.0;
   constexpr double kBottom = 62.0;
-  constexpr double s = kOversampling;
   Layout out;
-  out.plot = {(area_px.x + left_px) * s, (area_px.y + kTop) * s, (area_px.width - left_px - kRight) * s,
-              (area_px.height - kTop - kBottom) * s};
+  out.plot = {area_px.x + left_px, area_px.y + kTop, area_px.width - left_px - kRight, area_px.height - kTop - kBottom};
   for (const Series& series : chart.series) {
-    for (const cv::Point2d& p : series.points) {
+    for (const Point& p : series.points) {
       out.x.include(p.x);
       out.y.include(p.y);
     }
@@ -192,8 +143,8 @@ Layout lay_out(const Chart& chart, cv::Rect2d area_px, double left_px) {
   if (chart.from_zero) out.y.low = 0.0;
   if (chart.equal_aspect) equalise(out.x, out.y, out.plot.width, out.plot.height);
   // About one tick per 90 px across and 60 px up; squares where the axes are equal.
-  const int across = std::max(2, static_cast<int>(out.plot.width / s / 90));
-  const int up = std::max(2, static_cast<int>(out.plot.height / s / 60));
+  const int across = std::max(2, static_cast<int>(out.plot.width / 90));
+  const int up = std::max(2, static_cast<int>(out.plot.height / 60));
   out.ticks_x = tick_positions(out.x.low, out.x.high, across);
   out.ticks_y =
       tick_positions(out.y.low, out.y.high,
@@ -202,23 +153,28 @@ Layout lay_out(const Chart& chart, cv::Rect2d area_px, double left_px) {
 }
 
 double widest_tick_px(const Layout& layout) {
-  int widest = 0;
+  double widest = 0.0;
   for (const double tick : layout.ticks_y) {
-    widest = std::max(widest, text_size(tick_text(tick, layout.ticks_y), kTickText).width);
+    widest = std::max(widest, text_width(tick_text(tick, layout.ticks_y), kTickText));
   }
-  return widest / static_cast<double>(kOversampling);
+  return widest;
 }
 
+struct Size {
+  double width;
+  double height;
+};
+
 // Which corner of the chart holds the fewest points: the legend goes there.
-cv::Point2d legend_corner(const std::vector<std::vector<cv::Point2d>>& lines, const cv::Rect2d& plot, cv::Size2d size) {
-  cv::Point2d best;
+Point legend_corner(const std::vector<std::vector<Point>>& lines, const Box& plot, Size size) {
+  Point best;
   std::size_t fewest = std::numeric_limits<std::size_t>::max();
-  const double gap = 8.0 * kOversampling;
-  for (const cv::Point2d corner :
-       {cv::Point2d(plot.x + gap, plot.y + gap), cv::Point2d(plot.br().x - size.width - gap, plot.y + gap),
-        cv::Point2d(plot.br().x - size.width - gap, plot.br().y - size.height - gap),
-        cv::Point2d(plot.x + gap, plot.br().y - size.height - gap)}) {
-    const cv::Rect2d box(corner, size);
+  constexpr double gap = 8.0;
+  const double right = plot.right() - size.width - gap;
+  const double bottom = plot.bottom() - size.height - gap;
+  for (const Point corner : {Point{plot.x + gap, plot.y + gap}, Point{right, plot.y + gap}, Point{right, bottom},
+                             Point{plot.x + gap, bottom}}) {
+    const Box box{corner.x, corner.y, size.width, size.height};
     std::size_t inside = 0;
     for (const auto& line : lines) {
       inside +=
@@ -232,35 +188,34 @@ cv::Point2d legend_corner(const std::vector<std::vector<cv::Point2d>>& lines, co
   return best;
 }
 
-void put_legend(cv::Mat& canvas, const Chart& chart, const std::vector<std::vector<cv::Point2d>>& lines,
-                const cv::Rect2d& plot) {
-  constexpr double kRow = 24.0 * kOversampling;
-  constexpr double kSample = 34.0 * kOversampling;
-  constexpr double kPad = 10.0 * kOversampling;
+void put_legend(Canvas& canvas, const Chart& chart, const std::vector<std::vector<Point>>& lines, const Box& plot) {
+  constexpr double kRow = 24.0;
+  constexpr double kSample = 34.0;
+  constexpr double kPad = 10.0;
   std::vector<const Series*> named;
   double widest = 0.0;
   for (const Series& series : chart.series) {
     if (series.label.empty()) continue;
     named.push_back(&series);
-    widest = std::max<double>(widest, text_size(series.label, kTickText).width);
+    widest = std::max(widest, text_width(series.label, kTickText));
   }
   if (named.empty()) return;
-  const cv::Size2d size(kSample + widest + 3 * kPad, kRow * static_cast<double>(named.size()) + kPad);
-  const cv::Point2d corner = legend_corner(lines, plot, size);
-  const cv::Rect box(corner, size);
-  cv::rectangle(canvas, box, cv::Scalar::all(255), cv::FILLED);
-  cv::rectangle(canvas, box, cv::Scalar::all(200), kOversampling, cv::LINE_AA);
+  const Size size{kSample + widest + 3 * kPad, kRow * static_cast<double>(named.size()) + kPad};
+  const Point corner = legend_corner(lines, plot, size);
+  const Box box{corner.x, corner.y, size.width, size.height};
+  canvas.fill(box, kPaper);
+  canvas.frame(box, 1.0, kLegendFrame);
   for (std::size_t i = 0; i < named.size(); ++i) {
     const double y = corner.y + kPad / 2 + kRow * (static_cast<double>(i) + 0.5);
-    const cv::Point2d left(corner.x + kPad, y);
-    const cv::Point2d right(corner.x + kPad + kSample, y);
+    const Point left{corner.x + kPad, y};
+    const Point right{corner.x + kPad + kSample, y};
     Series sample = *named[i];
     const bool line = sample.width_px > 0.0;
     const Mark mark = sample.mark;
     sample.mark = Mark::none;
     if (line) put_series(canvas, sample, {left, right});
-    put_mark(canvas, (left + right) / 2, mark, sample.mark_px, sample.color);
-    put_text(canvas, sample.label, {right.x + kPad, y}, kTickText, kInk);
+    put_mark(canvas, (left + right) * 0.5, mark, sample.mark_px, sample.color);
+    canvas.text(sample.label, {right.x + kPad, y}, kTickText, kInk);
   }
 }
 
@@ -277,52 +232,38 @@ std::vector<double> tick_positions(double low, double high, int wanted) {
   return ticks;
 }
 
-Figure::Figure(int width_px, int height_px)
-    : canvas_(height_px * kOversampling, width_px * kOversampling, CV_8UC3, cv::Scalar::all(255)) {}
-
-void Figure::text(const std::string& text, cv::Point2d at_px, double height_px, const cv::Scalar& color) {
-  put_text(canvas_, text, at_px * kOversampling, height_px, color);
-}
-
-void Figure::draw(const Chart& chart, cv::Rect2d area_px) {
+void Figure::draw(const Chart& chart, Box area_px) {
   // Wide tick labels push the plot to the right, which may change the ticks of charts with equal axes.
   double left_px = 78.0;
   Layout layout = lay_out(chart, area_px, left_px);
   left_px = std::max(left_px, widest_tick_px(layout) + 46.0);
   layout = lay_out(chart, area_px, left_px);
-  const cv::Rect2d& plot = layout.plot;
-  constexpr double s = kOversampling;
+  const Box& plot = layout.plot;
 
   for (const double tick : layout.ticks_x) {
     const double at = layout.to_canvas({tick, 0}).x;
-    put_line(canvas_, {at, plot.y}, {at, plot.br().y}, 1.0, kFaint);
-    put_text_centred(canvas_, tick_text(tick, layout.ticks_x), {at, plot.br().y + 16 * s}, kTickText, kInk);
+    canvas_.line({at, plot.y}, {at, plot.bottom()}, 1.0, kFaint);
+    put_text_centred(canvas_, tick_text(tick, layout.ticks_x), {at, plot.bottom() + 16.0}, kTickText);
   }
   for (const double tick : layout.ticks_y) {
     const double at = layout.to_canvas({0, tick}).y;
-    put_line(canvas_, {plot.x, at}, {plot.br().x, at}, 1.0, kFaint);
+    canvas_.line({plot.x, at}, {plot.right(), at}, 1.0, kFaint);
     const std::string label = tick_text(tick, layout.ticks_y);
-    put_text(canvas_, label, {plot.x - 8 * s - text_size(label, kTickText).width, at}, kTickText, kInk);
+    canvas_.text(label, {plot.x - 8.0 - text_width(label, kTickText), at}, kTickText, kInk);
   }
 
-  std::vector<std::vector<cv::Point2d>> lines;
+  std::vector<std::vector<Point>> lines;
   for (const Series& series : chart.series) {
     auto& line = lines.emplace_back();
-    for (const cv::Point2d& p : series.points) line.push_back(layout.to_canvas(p));
+    for (const Point& p : series.points) line.push_back(layout.to_canvas(p));
     put_series(canvas_, series, line);
   }
-  cv::rectangle(canvas_, cv::Rect(plot), kFrame, kOversampling, cv::LINE_AA);
+  canvas_.frame(plot, 1.0, kFrame);
   put_legend(canvas_, chart, lines, plot);
 
-  put_text_centred(canvas_, chart.title, {plot.x + plot.width / 2, plot.y - 20 * s}, kTitleText, kInk);
-  put_text_centred(canvas_, chart.x_label, {plot.x + plot.width / 2, plot.br().y + 42 * s}, kLabelText, kInk);
-  put_text_upright(canvas_, chart.y_label, {(area_px.x + 16) * s, plot.y + plot.height / 2}, kLabelText, kInk);
-}
-
-cv::Mat Figure::render() const {
-  cv::Mat out;
-  cv::resize(canvas_, out, {canvas_.cols / kOversampling, canvas_.rows / kOversampling}, 0, 0, cv::INTER_AREA);
-  return out;
+  put_text_centred(canvas_, chart.title, {plot.x + plot.width / 2, plot.y - 20.0}, kTitleText);
+  put_text_centred(canvas_, chart.x_label, {plot.x + plot.width / 2, plot.bottom() + 42.0}, kLabelText);
+  put_text_upright(canvas_, chart.y_label, {area_px.x + 16, plot.y + plot.height / 2}, kLabelText);
 }
 
 }  // namespace cliquevo::tools

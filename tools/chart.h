@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Line charts drawn with OpenCV: axes with ticks and labels, a grid, a legend, lines and marks.
+// Line charts: axes with ticks and labels, a grid, a legend, lines and marks.
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include <opencv2/core.hpp>
+#include "tools/canvas.h"
 
 namespace cliquevo::tools {
 
@@ -13,8 +13,8 @@ enum class Mark { none, disc, ring, square, cross };
 
 struct Series {
   std::string label;  // empty: not in the legend
-  std::vector<cv::Point2d> points;
-  cv::Scalar color;       // blue green red
+  std::vector<Point> points;
+  Color color;
   double width_px = 2.0;  // of the line, 0 = none
   Mark mark = Mark::none;
   double mark_px = 6.0;  // half its size
@@ -33,17 +33,19 @@ struct Chart {
 // Tick positions at steps of 1, 2 or 5 times a power of ten, about `wanted` of them, inside [low, high].
 std::vector<double> tick_positions(double low, double high, int wanted);
 
-// Draws into a part of a figure. Pixels are those of the finished figure; see render_figure.
+// Draws into parts of a figure, whose pixels are those of the finished picture.
 class Figure {
  public:
-  Figure(int width_px, int height_px);
-  void draw(const Chart& chart, cv::Rect2d area_px);
-  void text(const std::string& text, cv::Point2d at_px, double height_px, const cv::Scalar& color);
-  // The finished 8-bit BGR picture.
-  cv::Mat render() const;
+  Figure(int width_px, int height_px) : canvas_(width_px, height_px) {}
+  void draw(const Chart& chart, Box area_px);
+  // By its left end and middle line.
+  void text(const std::string& text, Point at_px, double height_px, Color color) {
+    canvas_.text(text, at_px, height_px, color);
+  }
+  Picture render() const { return canvas_.finish(); }
 
  private:
-  cv::Mat canvas_;  // several times the finished size: scaled down, edges come out smooth
+  Canvas canvas_;
 };
 
 }  // namespace cliquevo::tools

@@ -1,18 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // cliquevo disparity: the dense stereo stage on one rectified pair.
+#include <algorithm>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "core/base/time.h"
+#include "drivers/images/png_writer.h"
 #include "drivers/recording/image_reader.h"
 #include "stereo/dense_stereo.h"
 #include "tools/commands.h"
 #include "tools/exit_code.h"
 #include "tools/output_file.h"
+#include "tools/picture.h"
 
 namespace cliquevo::tools {
 
@@ -71,10 +73,10 @@ Result<Matched> match(const Pair& pair, int max_disparity) {
 }
 
 // 16 bit, px * 256, 0 = unknown (and nearer than infinity only: d <= 0 is unknown).
-cv::Mat to_file_units(ImageView<const std::int16_t> disparity, int max_disparity) {
-  cv::Mat out(disparity.height, disparity.width, CV_16UC1);
+Image<std::uint16_t> to_file_units(ImageView<const std::int16_t> disparity, int max_disparity) {
+  Image<std::uint16_t> out(disparity.width, disparity.height);
   for (int y = 0; y < disparity.height; ++y) {
-    auto* row = out.ptr<std::uint16_t>(y);
+    std::uint16_t* row = out.view().row(y);
     for (int x = 0; x < disparity.width; ++x) {
       const int d = disparity(x, y);  // kUnknownDisparity is below zero
       const bool known = d > 0 && d <= (max_disparity - 1) * kDisparityScale;
@@ -85,21 +87,30 @@ cv::Mat to_file_units(ImageView<const std::int16_t> disparity, int max_disparity
 }
 
 // Near is red, far is blue, unknown is black; the colours span what the picture holds.
-cv::Mat to_color(const cv::Mat& disparity) {
-  double nearest = 0.0;
-  cv::minMaxLoc(disparity, nullptr, &nearest);
-  cv::Mat grey;
-  disparity.convertTo(grey, CV_8U, nearest > 0.0 ? 255.0 / nearest : 0.0);
-  cv::Mat color;
-  cv::applyColorMap(grey, color, cv::COLORMAP_TURBO);
-  color.setTo(cv::Scalar::all(0), disparity == 0);
-  return color;
+Picture to_color(ImageView<const std::uint16_t> disparity) {
+  unsigned nearest = 1;
+  for (int y = 0; y < disparity.height; ++y) {
+    for (int x = 0; x < disparity.width; ++x) nearest = std::max<unsigned>(nearest, disparity(x, y));
+  }
+  Picture out(disparity.width, disparity.height, {});
+  for (int y = 0; y < disparity.height; ++y) {
+    for (int x = 0; x < disparity.width; ++x) {
+      if (disparity(x, y) != 0) out.set(x, y, rainbow(static_cast<double>(disparity(x, y)) / nearest));
+    }
+  }
+  return out;
 }
 
-Result<void> write_png(OutputFile& file, const cv::Mat& picture) {
-  std::vector<unsigned char> png;
-  cv::imencode(".png", picture, png);
-  return file.write(png);
+std::int64_t count_known(ImageView<const std::uint16_t> disparity) {
+  std::int64_t known = 0;
+  for (int y = 0; y < disparity.height; ++y) {
+    for (int x = 0; x < disparity.width; ++x) known += disparity(x, y) != 0 ? 1 : 0;
+  }
+  return known;
+}
+
+Result<void> write_png(OutputFile& file, const Result<std::vector<unsigned char>>& png) {
+  return png ? file.write(*png) : png.error();
 }
 
 int run(const DisparityArguments& arguments) {
@@ -110,15 +121,17 @@ int run(const DisparityArguments& arguments) {
   const auto matched = match(*pair, arguments.max_disparity);
   if (!matched) return report(matched.error());
 
-  const cv::Mat picture = to_file_units(matched->disparity.cview(), arguments.max_disparity);
-  if (auto ok = write_png(*out, picture); !ok) return report(ok.error());
+  const Image<std::uint16_t> picture = to_file_units(matched->disparity.cview(), arguments.max_disparity);
+  if (auto ok = write_png(*out, drivers::encode_png(picture.cview())); !ok) return report(ok.error());
   if (!arguments.color.empty()) {
     auto color = OutputFile::open(arguments.color, "picture");
     if (!color) return report(color.error());
-    if (auto ok = write_png(*color, to_color(picture)); !ok) return report(ok.error());
+    if (auto ok = write_png(*color, to_color(picture.cview()).png()); !ok) return report(ok.error());
   }
-  fmt::print("{}x{}, {} disparities, {:.1f} % known, {:.1f} ms\n", picture.cols, picture.rows, arguments.max_disparity,
-             100.0 * cv::countNonZero(picture) / static_cast<double>(picture.total()), matched->elapsed_ms);
+  const double pixels = static_cast<double>(picture.width()) * picture.height();
+  fmt::print("{}x{}, {} disparities, {:.1f} % known, {:.1f} ms\n", picture.width(), picture.height(),
+             arguments.max_disparity, 100.0 * static_cast<double>(count_known(picture.cview())) / pixels,
+             matched->elapsed_ms);
   return kDone;
 }
 

@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
 
 #include "tools/chart.h"
 
@@ -16,14 +15,14 @@ constexpr int kWidth = 1600;
 constexpr int kHeight = 760;
 constexpr int kHeader = 46;
 
-const cv::Scalar kBlue(190, 100, 25);
-const cv::Scalar kGrey(110, 110, 110);
-const cv::Scalar kRed(40, 40, 215);
-const cv::Scalar kGreen(70, 150, 40);
-const cv::Scalar kDark(50, 50, 50);
+constexpr Color kBlue{25, 100, 190};
+constexpr Color kGrey{110, 110, 110};
+constexpr Color kRed{215, 40, 40};
+constexpr Color kGreen{40, 150, 70};
+constexpr Color kDark{50, 50, 50};
 
 // The map: X to the right, Z up.
-cv::Point2d from_above(const Eigen::Vector3d& p) { return {p.x(), p.z()}; }
+Point from_above(const Eigen::Vector3d& p) { return {p.x(), p.z()}; }
 
 struct Comparison {
   std::vector<Eigen::Vector3d> reference;  // in the trajectory's world
@@ -82,8 +81,8 @@ Chart map_chart(const RunPicture& run, const Comparison& comparison) {
   }
   Series estimate{"estimate", {}, kBlue, 2.5, Mark::none, 0.0, false};
   for (const RigidTransform& pose : run.trajectory) estimate.points.push_back(from_above(pose.t));
-  const cv::Point2d start = estimate.points.front();
-  const cv::Point2d end = estimate.points.back();
+  const Point start = estimate.points.front();
+  const Point end = estimate.points.back();
   chart.series.push_back(std::move(estimate));
   if (!run.failed.empty()) {
     Series failed{fmt::format("failed frames ({})", run.failed.size()), {}, kRed, 0.0, Mark::cross, 4.5, false};
@@ -103,7 +102,7 @@ Chart error_chart(const Comparison& comparison, bool aligned) {
   chart.from_zero = true;
   Series error{"", {}, kBlue, 2.0, Mark::none, 0.0, false};
   for (std::size_t i = 0; i < comparison.error_m.size(); ++i) {
-    error.points.emplace_back(comparison.distance_m[i], comparison.error_m[i]);
+    error.points.push_back({comparison.distance_m[i], comparison.error_m[i]});
   }
   chart.series.push_back(std::move(error));
   return chart;
@@ -117,11 +116,13 @@ Chart inlier_chart(const RunPicture& run) {
   chart.y_label = "inliers";
   chart.from_zero = true;
   Series inliers{"", {}, kGreen, 1.5, Mark::none, 0.0, false};
-  for (std::size_t i = 1; i < run.inliers.size(); ++i) inliers.points.emplace_back(distance_m[i], run.inliers[i]);
+  for (std::size_t i = 1; i < run.inliers.size(); ++i)
+    inliers.points.push_back({distance_m[i], static_cast<double>(run.inliers[i])});
   chart.series.push_back(std::move(inliers));
   if (!run.failed.empty()) {
     Series failed{"failed frames", {}, kRed, 0.0, Mark::cross, 4.5, false};
-    for (const std::size_t i : run.failed) failed.points.emplace_back(distance_m[i], run.inliers[i]);
+    for (const std::size_t i : run.failed)
+      failed.points.push_back({distance_m[i], static_cast<double>(run.inliers[i])});
     chart.series.push_back(std::move(failed));
   }
   return chart;
@@ -136,13 +137,13 @@ Chart height_chart(const RunPicture& run, const Comparison& comparison) {
   if (!comparison.reference.empty()) {
     Series reference{"reference", {}, kGrey, 2.5, Mark::none, 0.0, true};
     for (std::size_t i = 0; i < comparison.reference.size(); ++i) {
-      reference.points.emplace_back(comparison.distance_m[i], -comparison.reference[i].y());
+      reference.points.push_back({comparison.distance_m[i], -comparison.reference[i].y()});
     }
     chart.series.push_back(std::move(reference));
   }
   Series height{comparison.reference.empty() ? "" : "estimate", {}, kBlue, 2.0, Mark::none, 0.0, false};
   for (std::size_t i = 0; i < run.trajectory.size(); ++i) {
-    height.points.emplace_back(distance_m[i], -run.trajectory[i].t.y());
+    height.points.push_back({distance_m[i], -run.trajectory[i].t.y()});
   }
   chart.series.push_back(std::move(height));
   return chart;
@@ -168,9 +169,7 @@ Result<std::vector<unsigned char>> draw_plot(const RunPicture& run) {
   for (std::size_t i = 0; i < beside.size(); ++i) {
     figure.draw(beside[i], {kMap + 16, kHeader + height * static_cast<double>(i), kWidth - kMap - 24, height});
   }
-  std::vector<unsigned char> png;
-  cv::imencode(".png", figure.render(), png);
-  return png;
+  return figure.render().png();
 }
 
 }  // namespace cliquevo::tools

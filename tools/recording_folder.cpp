@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <opencv2/imgcodecs.hpp>
 
+#include "drivers/images/png_writer.h"
 #include "tools/output_file.h"
 
 namespace cliquevo::tools {
@@ -15,8 +15,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-cv::Mat wrap(ImageView<const std::uint8_t> v) {
-  return {v.height, v.width, CV_8U, const_cast<std::uint8_t*>(v.data), static_cast<std::size_t>(v.stride)};
+Result<void> write_png(const std::string& path, const Result<std::vector<unsigned char>>& png) {
+  if (!png) return Error{"cannot write image", path, png.error().remedy};
+  auto file = OutputFile::open(path, "image");
+  if (!file) return file.error();
+  return file->write(*png);
 }
 
 std::string numbers(const double* first, int count) {
@@ -69,15 +72,11 @@ std::string euroc_sensor(const CameraCalibration& c, const RigidTransform& T_bod
 
 }  // namespace
 
-Result<void> write_picture(const std::string& path, const cv::Mat& image) {
-  bool written = false;
-  try {
-    // Fast compression: the pictures are noisy, more effort gains nothing.
-    written = cv::imwrite(path, image, {cv::IMWRITE_PNG_COMPRESSION, 1});
-  } catch (const cv::Exception&) {  // said below
-  }
-  if (!written) return Error{"cannot write image", path, "check the folder's permissions and the space left"};
-  return {};
+Result<void> write_picture(const std::string& path, ImageView<const std::uint8_t> grey) {
+  return write_png(path, drivers::encode_png(grey));
+}
+Result<void> write_picture(const std::string& path, ImageView<const std::uint16_t> grey) {
+  return write_png(path, drivers::encode_png(grey));
 }
 
 Result<void> write_text(const std::string& path, const std::string& text) {
@@ -139,8 +138,8 @@ Result<void> RecordingFolder::add(ImageView<const std::uint8_t> left, ImageView<
   const std::string name = euroc ? fmt::format("{}", stamp_ns) : fmt::format("{:06d}", count_);
   const char* left_folder = euroc ? "mav0/cam0/data" : "image_0";
   const char* right_folder = euroc ? "mav0/cam1/data" : "image_1";
-  if (auto ok = write_picture(fmt::format("{}/{}/{}.png", folder_, left_folder, name), wrap(left)); !ok) return ok;
-  if (auto ok = write_picture(fmt::format("{}/{}/{}.png", folder_, right_folder, name), wrap(right)); !ok) return ok;
+  if (auto ok = write_picture(fmt::format("{}/{}/{}.png", folder_, left_folder, name), left); !ok) return ok;
+  if (auto ok = write_picture(fmt::format("{}/{}/{}.png", folder_, right_folder, name), right); !ok) return ok;
   constexpr std::int64_t kSecond = 1'000'000'000;
   times_ += euroc ? fmt::format("{},{}.png\n", stamp_ns, name)
                   : fmt::format("{}.{:09d}\n", stamp_ns / kSecond, stamp_ns % kSecond);

@@ -5,8 +5,6 @@
 
 #include <string>
 
-#include <opencv2/core.hpp>
-
 #include "core/base/camera_model.h"
 #include "core/base/image.h"
 #include "core/base/result.h"
@@ -41,7 +39,8 @@ class RecordingFolder {
 std::string kitti_calibration(const StereoModel& model);
 // One eye as ROS' camera_info file, with its prescribed rectification.
 std::string ros_camera_info(const StereoCalibration& calibration, bool left);
-Result<void> write_picture(const std::string& path, const cv::Mat& image);
+Result<void> write_picture(const std::string& path, ImageView<const std::uint8_t> grey);
+Result<void> write_picture(const std::string& path, ImageView<const std::uint16_t> grey);
 Result<void> write_text(const std::string& path, const std::string& text);
 
 }  // namespace cliquevo::tools

@@ -2,6 +2,7 @@
 // cliquevo replay: a recording or the simulator through stereo and odometry.
 #include <charconv>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -145,6 +146,7 @@ int run(const ReplayArguments& arguments) {
       fail(found.error());
     }
     fmt::print("{}", log.summary(end.wall_s, reference));
+    if (const std::string remarks = (*source)->status(); !remarks.empty()) fmt::print("source: {}\n", remarks);
   }
   if (files->stats) {
     if (auto ok = files->stats->write(log.stats_json(info, pipeline->model(), end.wall_s, reference)); !ok) {
@@ -210,6 +212,15 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
                                    "Most time between the images of a pair, s (default a quarter period)")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
+  const std::map<std::string, drivers::Bayer> patterns{
+      {"auto", drivers::Bayer::automatic}, {"none", drivers::Bayer::none}, {"rggb", drivers::Bayer::rggb},
+      {"bggr", drivers::Bayer::bggr},      {"grbg", drivers::Bayer::grbg}, {"gbrg", drivers::Bayer::gbrg}};
+  replay
+      .add_option_function<std::string>(
+          "--bayer", [&source, patterns](const std::string& name) { source.bayer = patterns.at(name); },
+          "The images are raw Bayer mosaics of this pattern, or none; default auto: where the images show it")
+      ->check(CLI::IsMember({"auto", "none", "rggb", "bggr", "grbg", "gbrg"}))
+      ->type_name("PATTERN");
 }
 
 }  // namespace

@@ -9,12 +9,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "drivers/simulator.h"
 #include "tools/exit_code.h"
 #include "tools/output_file.h"
+#include "tools/picture.h"
 #include "tools/progress.h"
 #include "tools/simulated_recording.h"
 
@@ -42,36 +41,34 @@ class ContactSheet {
     const std::int64_t cells = std::min<std::int64_t>(kCells, frames_);
     if (cell >= cells || index < (cells > 1 ? cell * (frames_ - 1) / (cells - 1) : 0)) return;
     const auto left = pair.left.view();
-    const cv::Mat grey(left.height, left.width, CV_8U, const_cast<std::uint8_t*>(left.data),
-                       static_cast<std::size_t>(left.stride));
-    cv::Mat far_to_near;
-    disparity_to_file_units(disparity).convertTo(far_to_near, CV_8U, 255.0 / (256.0 * 0.13 * left.width));
-    cv::Mat color;
-    cv::applyColorMap(far_to_near, color, cv::COLORMAP_TURBO);
-    color.setTo(cv::Scalar::all(0), far_to_near == 0);
-    cv::Mat picture;
-    cv::cvtColor(grey, picture, cv::COLOR_GRAY2BGR);
-    cv::vconcat(picture, color, picture);
-    cv::resize(picture, picture, {kCellWidth, picture.rows * kCellWidth / picture.cols}, 0.0, 0.0, cv::INTER_AREA);
-    cells_.push_back(picture);
+    const auto far_to_near = disparity_to_file_units(disparity);
+    const double nearest = 256.0 * 0.13 * left.width;
+    Picture picture(left.width, 2 * left.height, {});
+    for (int y = 0; y < left.height; ++y) {
+      for (int x = 0; x < left.width; ++x) {
+        const std::uint8_t grey = left(x, y);
+        picture.set(x, y, {grey, grey, grey});
+        const double near = far_to_near.cview()(x, y) / nearest;
+        if (near > 0.0) picture.set(x, left.height + y, rainbow(near));
+      }
+    }
+    cells_.push_back(picture.shrunk(kCellWidth, picture.height() * kCellWidth / picture.width()));
   }
 
-  cv::Mat sheet() const {
-    cv::Mat all;
-    for (std::size_t row = 0; row < cells_.size(); row += kColumns) {
-      std::vector<cv::Mat> line(cells_.begin() + static_cast<std::ptrdiff_t>(row),
-                                cells_.begin() + static_cast<std::ptrdiff_t>(std::min(row + kColumns, cells_.size())));
-      line.resize(kColumns, cv::Mat::zeros(cells_[0].size(), cells_[0].type()));
-      cv::Mat strip;
-      cv::hconcat(line, strip);
-      all.push_back(strip);
+  Picture sheet() const {
+    const int rows = static_cast<int>((cells_.size() + kColumns - 1) / kColumns);
+    const int height = cells_[0].height();
+    Picture all(kColumns * kCellWidth, rows * height, {});
+    for (std::size_t i = 0; i < cells_.size(); ++i) {
+      const int at = static_cast<int>(i);
+      all.put(cells_[i], at % kColumns * kCellWidth, at / kColumns * height);
     }
     return all;
   }
 
  private:
   std::int64_t frames_;
-  std::vector<cv::Mat> cells_;
+  std::vector<Picture> cells_;
 };
 
 Result<drivers::SimulatorOptions> to_options(const SimulateArguments& arguments) {
@@ -122,9 +119,9 @@ int run(const SimulateArguments& arguments) {
   progress.finish();
   if (auto ok = recording->finish(); !ok) return report(ok.error());
   if (preview) {
-    std::vector<unsigned char> png;
-    cv::imencode(".png", sheet.sheet(), png);
-    if (auto ok = preview->write(png); !ok) return report(ok.error());
+    const auto png = sheet.sheet().png();
+    if (!png) return report(png.error());
+    if (auto ok = preview->write(*png); !ok) return report(ok.error());
   }
   fmt::print("{}: {} pairs of {}x{}, {:.2f} m, {}\n", arguments.out, frames, source.info().width, source.info().height,
              distance_m, source.info().description);

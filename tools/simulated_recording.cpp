@@ -12,10 +12,10 @@ namespace cliquevo::tools {
 
 namespace fs = std::filesystem;
 
-cv::Mat disparity_to_file_units(ImageView<const float> disparity) {
-  cv::Mat out(disparity.height, disparity.width, CV_16U);
+Image<std::uint16_t> disparity_to_file_units(ImageView<const float> disparity) {
+  Image<std::uint16_t> out(disparity.width, disparity.height);
   for (int y = 0; y < disparity.height; ++y) {
-    auto* row = out.ptr<std::uint16_t>(y);
+    std::uint16_t* row = out.view().row(y);
     for (int x = 0; x < disparity.width; ++x) {
       const float d = disparity(x, y) * 256.0F;
       row[x] = d >= 0.5F && d <= 65535.0F ? static_cast<std::uint16_t>(std::lround(d)) : std::uint16_t{0};
@@ -40,7 +40,7 @@ Result<void> SimulatedRecording::add(const drivers::StereoPair& pair, ImageView<
   const TimestampNs stamp_ns = calibration_.rectified ? pair.stamp_ns - first_stamp_ns_ : pair.stamp_ns;
   if (auto ok = images_.add(pair.left.cview(), pair.right.cview(), stamp_ns); !ok) return ok;
   const std::string picture = fmt::format("{}/disp_0/{:06d}.png", folder_, count_);
-  if (auto ok = write_picture(picture, disparity_to_file_units(disparity)); !ok) return ok;
+  if (auto ok = write_picture(picture, disparity_to_file_units(disparity).cview()); !ok) return ok;
   const RigidTransform T = pair.truth_T_world_camera.value_or(RigidTransform{});
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) poses_ += fmt::format("{:.12g} ", T.R(i, j));

@@ -7,8 +7,6 @@
 #include <string>
 #include <utility>
 
-#include <opencv2/core.hpp>
-
 #include "core/base/result.h"
 #include "drivers/simulator.h"
 #include "tools/recording_folder.h"
@@ -39,6 +37,6 @@ class SimulatedRecording {
 };
 
 // 16-bit picture of a disparity, px * 256; NaN and what does not fit become 0.
-cv::Mat disparity_to_file_units(ImageView<const float> disparity);
+Image<std::uint16_t> disparity_to_file_units(ImageView<const float> disparity);
 
 }  // namespace cliquevo::tools

@@ -36,6 +36,7 @@ Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument
   if (argument.last) options.last = *argument.last;
   if (argument.every) options.every = *argument.every;
   if (argument.pair_tolerance_s) options.pair_tolerance_s = argument.pair_tolerance_s;
+  if (argument.bayer) options.bayer = *argument.bayer;
   return drivers::open_recording(options);
 }
 
@@ -48,10 +49,11 @@ bool is_simulator(const std::string& source) {
 Result<void> check_source(const SourceArgument& argument) {
   if (is_simulator(argument.text)) {
     if (!argument.calibration.empty() || argument.rate_hz || argument.first || argument.last || argument.every ||
-        argument.pair_tolerance_s) {
-      return Error{"wrong usage", argument.text,
-                   "--calibration, --rate, --first, --last, --every and --pair-tolerance are for recordings; the "
-                   "simulator takes sim:frames=N,every=K,rate_hz=R"};
+        argument.pair_tolerance_s || argument.bayer) {
+      return Error{
+          "wrong usage", argument.text,
+          "--calibration, --rate, --first, --last, --every, --pair-tolerance and --bayer are for recordings; the "
+          "simulator takes sim:frames=N,every=K,rate_hz=R"};
     }
     if (argument.text == kSimulator) return {};
     const auto parsed = drivers::parse_simulator_options(argument.text.substr(4));

@@ -21,6 +21,7 @@ struct SourceArgument {
   std::optional<std::int64_t> last;
   std::optional<std::int64_t> every;
   std::optional<double> pair_tolerance_s;
+  std::optional<drivers::Bayer> bayer;
 };
 
 bool is_simulator(const std::string& source);

@@ -29,23 +29,6 @@ std::mutex& library_mutex() {
   return mutex;
 }
 
-int bits_of(ArvPixelFormat format) {
-  switch (format) {
-    case ARV_PIXEL_FORMAT_MONO_8:
-      return 8;
-    case ARV_PIXEL_FORMAT_MONO_10:
-      return 10;
-    case ARV_PIXEL_FORMAT_MONO_12:
-      return 12;
-    case ARV_PIXEL_FORMAT_MONO_14:
-      return 14;
-    case ARV_PIXEL_FORMAT_MONO_16:
-      return 16;
-    default:
-      return 0;
-  }
-}
-
 bool has_feature(ArvCamera* camera, const char* feature) {
   GlibError error;
   return arv_camera_is_feature_available(camera, feature, error.out()) != 0 && !error.failed();
@@ -172,10 +155,10 @@ Result<void> AravisCamera::choose_format(const std::string& wanted) {
     return Error{"pixel format is not offered", fmt::format("{}: {}", name_, format),
                  fmt::format("it offers {}", fmt::join(offered, ", "))};
   }
-  bits_ = bits_of(arv_camera_get_pixel_format(camera_.get(), error.out()));
-  if (bits_ != 0) return {};
+  samples_ = aravis_samples(arv_camera_get_pixel_format(camera_.get(), error.out()));
+  if (samples_.bits != 0) return {};
   return Error{"pixel format is not grey", fmt::format("{}: {}", name_, format),
-               "choose Mono8, Mono10, Mono12 or Mono16"};
+               "choose Mono8 to Mono16, or Bayer of 8 to 16 bits"};
 }
 
 Result<void> AravisCamera::set_up_trigger(const CameraOptions& options) {
@@ -293,22 +276,15 @@ Result<void> AravisCamera::start() {
 }
 
 void AravisCamera::convert(AravisFrame& frame, const std::uint8_t* data, std::size_t size) {
-  const std::size_t pixels = static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
-  if (bits_ == 8) {
-    frame.whole = size >= pixels;
+  if (samples_.is_grey_bytes()) {
+    frame.whole = size >= static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
     frame.image = {data, width_, height_, width_};
     return;
   }
-  frame.whole = size >= 2 * pixels;
-  if (!frame.whole) return;
   converted_.resize(width_, height_);
-  for (int y = 0; y < height_; ++y) {
-    std::uint8_t* to = converted_.view().row(y);
-    const std::uint8_t* from = data + 2 * static_cast<std::size_t>(y) * static_cast<std::size_t>(width_);
-    for (int x = 0; x < width_; ++x) {  // little-endian
-      to[x] = static_cast<std::uint8_t>((from[2 * x] | from[2 * x + 1] << 8) >> (bits_ - 8));
-    }
-  }
+  frame.whole = aravis_to_grey(samples_, data, size, converted_.view());
+  if (!frame.whole) return;
+  if (samples_.mosaic) to_grey_.convert(converted_.view());
   frame.image = converted_.cview();
 }
 

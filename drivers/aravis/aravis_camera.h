@@ -9,8 +9,10 @@
 
 #include "core/base/image.h"
 #include "core/base/result.h"
+#include "drivers/aravis/aravis_samples.h"
 #include "drivers/aravis/handles.h"
 #include "drivers/camera_options.h"
+#include "drivers/images/bayer.h"
 
 namespace cliquevo::drivers {
 
@@ -61,7 +63,8 @@ class AravisCamera {
   bool started_ = false;
   int width_ = 0;
   int height_ = 0;
-  int bits_ = 8;  // 8, or more in 16
+  AravisSamples samples_{8, {}, false};
+  MosaicToGrey to_grey_;
   Image<std::uint8_t> converted_;
 };
 

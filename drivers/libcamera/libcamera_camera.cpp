@@ -28,8 +28,39 @@ std::int64_t now_ns(clockid_t clock) {
 }
 
 // libcamera names formats as the kernel's display side does; all but the grey ones are called alike.
-std::uint32_t to_v4l2(std::uint32_t fourcc) {
+// MIPI's packed formats have the names of the unpacked ones and a modifier.
+std::uint32_t packed_to_v4l2(std::uint32_t fourcc) {
   switch (fourcc) {
+    case v4l2_fourcc('R', '1', '0', ' '):
+      return V4L2_PIX_FMT_Y10P;
+    case v4l2_fourcc('R', '1', '2', ' '):
+      return v4l2_fourcc('Y', '1', '2', 'P');
+    case V4L2_PIX_FMT_SBGGR10:
+      return V4L2_PIX_FMT_SBGGR10P;
+    case V4L2_PIX_FMT_SGBRG10:
+      return V4L2_PIX_FMT_SGBRG10P;
+    case V4L2_PIX_FMT_SGRBG10:
+      return V4L2_PIX_FMT_SGRBG10P;
+    case V4L2_PIX_FMT_SRGGB10:
+      return V4L2_PIX_FMT_SRGGB10P;
+    case V4L2_PIX_FMT_SBGGR12:
+      return V4L2_PIX_FMT_SBGGR12P;
+    case V4L2_PIX_FMT_SGBRG12:
+      return V4L2_PIX_FMT_SGBRG12P;
+    case V4L2_PIX_FMT_SGRBG12:
+      return V4L2_PIX_FMT_SGRBG12P;
+    case V4L2_PIX_FMT_SRGGB12:
+      return V4L2_PIX_FMT_SRGGB12P;
+    default:
+      return 0;  // none that is known
+  }
+}
+
+std::uint32_t to_v4l2(const PixelFormat& format) {
+  constexpr std::uint64_t kMipiPacked = 11ULL << 56U | 1U;  // MIPI_FORMAT_MOD_CSI2_PACKED
+  if (format.modifier() == kMipiPacked) return packed_to_v4l2(format);
+  if (format.modifier() != 0) return 0;
+  switch (format.fourcc()) {
     case v4l2_fourcc('R', '8', ' ', ' '):
       return V4L2_PIX_FMT_GREY;
     case v4l2_fourcc('R', '1', '0', ' '):
@@ -37,7 +68,7 @@ std::uint32_t to_v4l2(std::uint32_t fourcc) {
     case v4l2_fourcc('R', '1', '2', ' '):
       return V4L2_PIX_FMT_Y12;
     default:
-      return fourcc;
+      return format.fourcc();
   }
 }
 
@@ -101,19 +132,21 @@ Result<void> LibcameraCamera::configure(const CameraOptions& options) {
   PixelFormat wanted;
   for (const PixelFormat& format : stream.formats().pixelformats()) {
     names.push_back(format.toString());
-    const bool named = !options.pixel_format.empty() && format.toString() == options.pixel_format;
-    const bool first_known =
-        options.pixel_format.empty() && !wanted.isValid() && is_known_format(to_v4l2(format.fourcc()));
-    const bool grey = options.pixel_format.empty() && to_v4l2(format.fourcc()) == V4L2_PIX_FMT_GREY;
+    const std::uint32_t fourcc = to_v4l2(format);
+    const bool named = format.toString() == options.pixel_format;
+    const bool open = options.pixel_format.empty();
+    const bool better = !wanted.isValid() || (is_mosaic_format(to_v4l2(wanted)) && !is_mosaic_format(fourcc));
+    const bool first_known = open && better && is_known_format(fourcc);
+    const bool grey = open && fourcc == V4L2_PIX_FMT_GREY;
     if (named || first_known || grey) wanted = format;
   }
-  if (!wanted.isValid() || !is_known_format(to_v4l2(wanted.fourcc()))) {
+  if (!wanted.isValid() || !is_known_format(to_v4l2(wanted))) {
     return Error{"pixel format is not offered",
                  fmt::format("{}: {}", id_, options.pixel_format.empty() ? "any that is known" : options.pixel_format),
                  fmt::format("it offers {}", fmt::join(names, ", "))};
   }
   stream.pixelFormat = wanted;
-  const int eyes = eye_width(options.layout, to_v4l2(wanted.fourcc()), 2) == 2 ? 1 : 2;
+  const int eyes = eye_width(options.layout, to_v4l2(wanted), 2) == 2 ? 1 : 2;
   if (options.width > 0) stream.size.width = static_cast<unsigned>(options.width * eyes);
   if (options.height > 0) stream.size.height = static_cast<unsigned>(options.height);
   stream.bufferCount = kBuffers;
@@ -129,7 +162,7 @@ Result<void> LibcameraCamera::configure(const CameraOptions& options) {
   width_ = static_cast<int>(stream.size.width);
   height_ = static_cast<int>(stream.size.height);
   stride_ = stream.stride;
-  fourcc_ = to_v4l2(stream.pixelFormat.fourcc());
+  fourcc_ = to_v4l2(stream.pixelFormat);
   return {};
 }
 

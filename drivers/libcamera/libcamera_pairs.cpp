@@ -67,10 +67,12 @@ LibcameraPairs::~LibcameraPairs() {
 
 void LibcameraPairs::hand_on(Eye eye, const LibcameraFrame& frame) {
   auto& [first, second] = grey_[static_cast<std::size_t>(eye)];
-  if (!frame.whole || !to_grey(frame.raw, options_.layout, first, second)) {
+  const Conversion converted = frame.whole ? to_grey(frame.raw, options_.layout, first, second) : Conversion{};
+  if (!converted.whole) {
     pairs_->count_incomplete(eye);
     return;
   }
+  if (converted.flawed) pairs_->count_flawed(eye);
   const LiveFrame left{first.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns, frame.sequence};
   if (options_.layout == EyeLayout::two_cameras) {
     pairs_->push(eye, left);

@@ -2,6 +2,7 @@
 #include "drivers/recording/pair_store.h"
 
 #include <array>
+#include <atomic>
 #include <condition_variable>
 #include <cstdlib>
 #include <filesystem>
@@ -15,6 +16,7 @@
 #include "core/base/caught.h"
 #include "core/base/saturating.h"
 #include "drivers/recording/image_reader.h"
+#include "drivers/recording/image_survey.h"
 #include "drivers/recording/pairing.h"
 
 namespace cliquevo::drivers {
@@ -24,8 +26,8 @@ namespace {
 // Reads pair after pair from the disk; one thread at a time.
 class PairReader {
  public:
-  PairReader(std::unique_ptr<PairStore> store, const RecordingOptions& options)
-      : store_(std::move(store)), options_(options) {
+  PairReader(std::unique_ptr<PairStore> store, const RecordingOptions& options, bool mosaic)
+      : store_(std::move(store)), options_(options), mosaic_(mosaic), warned_before_(store_->warned()) {
     std::vector<TimestampNs> stamps;
     for (std::int64_t i = 0; i < store_->size(); ++i) stamps.push_back(store_->stamp_ns(i));
     period_ns_ = median_period_ns(stamps);
@@ -52,8 +54,13 @@ class PairReader {
     pair.right_offset_ns = 0;
     pair.host_ns = 0;
     if (auto ok = store_->load(i, pair); !ok) return ok.error();
+    if (mosaic_) {
+      to_grey_.convert(pair.left.view());
+      to_grey_.convert(pair.right.view());
+    }
     return true;
   }
+  std::int64_t warned() const { return store_->warned() - warned_before_; }
 
  private:
   std::int64_t step(std::int64_t k) const {
@@ -63,6 +70,9 @@ class PairReader {
 
   std::unique_ptr<PairStore> store_;
   RecordingOptions options_;
+  bool mosaic_;
+  MosaicToGrey to_grey_;
+  std::int64_t warned_before_;
   std::int64_t period_ns_ = 0;
   std::int64_t position_ = 0;
   TimestampNs stamp_ns_ = 0;
@@ -86,9 +96,13 @@ class Recording final : public FrameSource {
   Recording& operator=(const Recording&) = delete;
 
   const SourceInfo& info() const override { return info_; }
+  std::string status() const override {
+    const std::int64_t warned = warned_.load(std::memory_order_relaxed);
+    return warned == 0 ? std::string() : fmt::format("{} images with flaws that cost no pixel", warned);
+  }
 
   Result<bool> next(StereoPair& pair) override {
-    if (!thread_.joinable()) return reader_.next(pair);
+    if (!thread_.joinable()) return read(pair);
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [this] { return filled_ > 0 || ended_; });
     if (filled_ == 0) return false;
@@ -109,6 +123,12 @@ class Recording final : public FrameSource {
     Result<bool> result = false;
   };
 
+  Result<bool> read(StereoPair& pair) {
+    Result<bool> result = reader_.next(pair);
+    warned_.store(reader_.warned(), std::memory_order_relaxed);
+    return result;
+  }
+
   void fill() {
     for (std::size_t k = 0;; ++k) {
       Slot& slot = slots_[k % slots_.size()];
@@ -117,7 +137,7 @@ class Recording final : public FrameSource {
         changed_.wait(lock, [this] { return stop_ || filled_ < slots_.size(); });
         if (stop_) return;
       }
-      slot.result = guarded("reading ahead", [&] { return reader_.next(slot.pair); });
+      slot.result = guarded("reading ahead", [&] { return read(slot.pair); });
       const bool end = slot.result.ok() && !*slot.result;
       {
         const std::lock_guard<std::mutex> lock(mutex_);
@@ -141,6 +161,7 @@ class Recording final : public FrameSource {
   std::size_t taken_ = 0;
   bool ended_ = false;
   bool stop_ = false;
+  std::atomic<std::int64_t> warned_{0};
   std::thread thread_;
 };
 
@@ -201,7 +222,10 @@ Result<void> read_masks(const RecordingOptions& options, const std::string& root
 
 std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, SourceInfo info,
                                         const RecordingOptions& options) {
-  return std::make_unique<Recording>(std::move(info), PairReader(std::move(store), options), options.read_ahead);
+  const MosaicSurvey survey = survey_mosaic(*store, options.bayer);
+  if (survey.mosaic) info.description += ", " + survey.text;
+  PairReader reader(std::move(store), options, survey.mosaic);
+  return std::make_unique<Recording>(std::move(info), std::move(reader), options.read_ahead);
 }
 
 }  // namespace cliquevo::drivers

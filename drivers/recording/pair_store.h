@@ -17,12 +17,15 @@ class PairStore {
   virtual TimestampNs stamp_ns(std::int64_t i) const = 0;
   // Images (and what else is known) of pair i; index and stamp are the caller's. One thread at a time.
   virtual Result<void> load(std::int64_t i, StereoPair& pair) = 0;
+  // Images that were taken although their decoder warned, so far.
+  virtual std::int64_t warned() const { return 0; }
 };
 
 // Numbers of the pairs that options choose of `count`.
 Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const RecordingOptions& options);
 
-// Plays the store's pairs by the options: from first to last, or to and fro; read ahead by a thread or not.
+// Plays the store's pairs by the options: from first to last, or to and fro; read ahead by a thread or not. Bayer
+// mosaics become grey, by the options or where the images show it; the description says so.
 std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, SourceInfo info,
                                         const RecordingOptions& options);
 

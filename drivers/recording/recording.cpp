@@ -9,6 +9,7 @@
 
 #include "drivers/recording/calibration_common.h"
 #include "drivers/recording/image_reader.h"
+#include "drivers/recording/image_survey.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/pair_store.h"
 #include "drivers/recording/pairing.h"
@@ -29,7 +30,9 @@ class ImageFiles final : public PairStore {
     if (auto ok = read(files.left, pair.left); !ok) return ok;
     return read(files.right, pair.right);
   }
+  std::int64_t warned() const override { return reader_.warned(); }
   void expect_size(int width, int height) { width_ = width, height_ = height; }
+  void set_shift(int shift) { reader_.set_shift(shift); }
 
  private:
   Result<void> read(const std::string& path, Image<std::uint8_t>& image) {
@@ -111,7 +114,10 @@ Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& opti
   if (!calibration) return calibration.error();
   info.calibration = std::move(*calibration);
   if (auto ok = read_masks(options, layout->root, info); !ok) return ok.error();
+  const DepthSurvey depth = survey_depth(pairs);
+  if (depth.deep) info.description += ", " + describe_depth(depth);
   auto store = std::make_unique<ImageFiles>(std::move(pairs));
+  if (depth.deep) store->set_shift(depth.shift);
   store->expect_size(info.width, info.height);
   return play_pairs(std::move(store), std::move(info), options);
 }

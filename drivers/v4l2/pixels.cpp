@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/v4l2/pixels.h"
 
-#include <csetjmp>
-#include <cstdio>
-#include <jpeglib.h>
+#include <array>
 #include <linux/videodev2.h>
+#include <optional>
+
+#include "drivers/images/bayer.h"
+#include "drivers/images/jpeg.h"
+#include "drivers/images/packed_samples.h"
 
 namespace cliquevo::drivers {
 
@@ -19,7 +22,48 @@ struct Packing {
   int shift = -1;          // >= 0: sixteen bits, little-endian, to be shifted so far
 };
 
+// Raw Bayer mosaics: bits a sample, whether they share bytes, and the formats' names in the four patterns.
+struct MosaicFormats {
+  Packing packing;
+  std::optional<PackedSamples> packed;
+  std::array<std::uint32_t, 4> formats;
+};
+constexpr std::uint32_t kY12P = v4l2_fourcc('Y', '1', '2', 'P');  // newer than some kernels' headers
+constexpr std::array<MosaicFormats, 6> kMosaics{{
+    {{1, 0, -1}, {}, {V4L2_PIX_FMT_SBGGR8, V4L2_PIX_FMT_SGBRG8, V4L2_PIX_FMT_SGRBG8, V4L2_PIX_FMT_SRGGB8}},
+    {{2, 0, 2}, {}, {V4L2_PIX_FMT_SBGGR10, V4L2_PIX_FMT_SGBRG10, V4L2_PIX_FMT_SGRBG10, V4L2_PIX_FMT_SRGGB10}},
+    {{2, 0, 4}, {}, {V4L2_PIX_FMT_SBGGR12, V4L2_PIX_FMT_SGBRG12, V4L2_PIX_FMT_SGRBG12, V4L2_PIX_FMT_SRGGB12}},
+    {{2, 0, 8}, {}, {V4L2_PIX_FMT_SBGGR16, V4L2_PIX_FMT_SGBRG16, V4L2_PIX_FMT_SGRBG16, V4L2_PIX_FMT_SRGGB16}},
+    {{},
+     PackedSamples::mipi_10,
+     {V4L2_PIX_FMT_SBGGR10P, V4L2_PIX_FMT_SGBRG10P, V4L2_PIX_FMT_SGRBG10P, V4L2_PIX_FMT_SRGGB10P}},
+    {{},
+     PackedSamples::mipi_12,
+     {V4L2_PIX_FMT_SBGGR12P, V4L2_PIX_FMT_SGBRG12P, V4L2_PIX_FMT_SGRBG12P, V4L2_PIX_FMT_SRGGB12P}},
+}};
+
+const MosaicFormats* mosaic_of(std::uint32_t fourcc) {
+  for (const MosaicFormats& row : kMosaics) {
+    for (const std::uint32_t format : row.formats) {
+      if (format == fourcc) return &row;
+    }
+  }
+  return nullptr;
+}
+
+std::optional<PackedSamples> packed_of(std::uint32_t fourcc) {
+  if (fourcc == V4L2_PIX_FMT_Y10P) return PackedSamples::mipi_10;
+  if (fourcc == kY12P) return PackedSamples::mipi_12;
+  if (fourcc == V4L2_PIX_FMT_Y10BPACK) return PackedSamples::big_endian_10;
+  const MosaicFormats* mosaic = mosaic_of(fourcc);
+  return mosaic != nullptr ? mosaic->packed : std::nullopt;
+}
+
 bool packing_of(std::uint32_t fourcc, Packing& out) {
+  if (const MosaicFormats* mosaic = mosaic_of(fourcc); mosaic != nullptr && !mosaic->packed) {
+    out = mosaic->packing;
+    return true;
+  }
   switch (fourcc) {
     case V4L2_PIX_FMT_GREY:
       out = {1, 0, -1};
@@ -29,6 +73,9 @@ bool packing_of(std::uint32_t fourcc, Packing& out) {
       return true;
     case V4L2_PIX_FMT_Y12:
       out = {2, 0, 4};
+      return true;
+    case V4L2_PIX_FMT_Y14:
+      out = {2, 0, 6};
       return true;
     case V4L2_PIX_FMT_Y16:
       out = {2, 0, 8};
@@ -61,41 +108,6 @@ std::uint8_t grey_of(const std::uint8_t* pixel, const Packing& packing) {
   return static_cast<std::uint8_t>(grey > 255U ? 255U : grey);
 }
 
-struct JpegFailure {
-  jpeg_error_mgr manager;
-  std::jmp_buf back;
-};
-
-// Whole pictures alone: a decoder that fills in what is missing has warned of it.
-bool decode_jpeg(const std::uint8_t* data, std::size_t size, int width, int height, std::uint8_t* out,
-                 std::size_t stride) {
-  jpeg_decompress_struct jpeg;
-  JpegFailure failure;
-  jpeg.err = jpeg_std_error(&failure.manager);
-  failure.manager.error_exit = [](j_common_ptr info) {
-    std::longjmp(reinterpret_cast<JpegFailure*>(info->err)->back, 1);
-  };
-  failure.manager.output_message = [](j_common_ptr) {};
-  if (setjmp(failure.back) != 0) {
-    jpeg_destroy_decompress(&jpeg);
-    return false;
-  }
-  jpeg_create_decompress(&jpeg);
-  jpeg_mem_src(&jpeg, data, size);
-  jpeg_read_header(&jpeg, TRUE);
-  jpeg.out_color_space = JCS_GRAYSCALE;
-  jpeg_start_decompress(&jpeg);
-  const bool fits = static_cast<int>(jpeg.output_width) == width && static_cast<int>(jpeg.output_height) == height;
-  while (fits && jpeg.output_scanline < jpeg.output_height) {
-    JSAMPROW row = out + stride * jpeg.output_scanline;
-    jpeg_read_scanlines(&jpeg, &row, 1);
-  }
-  if (fits) jpeg_finish_decompress(&jpeg);
-  const bool whole = fits && failure.manager.num_warnings == 0;
-  jpeg_destroy_decompress(&jpeg);
-  return whole;
-}
-
 // From packed pixels; `pitch`: pixels (or bytes) from one of the eye's to the next.
 void take_eye(const RawFrame& frame, const Packing& packing, std::size_t first, std::size_t pitch,
               Image<std::uint8_t>& eye) {
@@ -107,44 +119,9 @@ void take_eye(const RawFrame& frame, const Packing& packing, std::size_t first, 
   }
 }
 
-}  // namespace
-
-bool is_known_format(std::uint32_t fourcc) {
-  Packing packing;
-  return is_jpeg(fourcc) || packing_of(fourcc, packing);
-}
-
-std::string fourcc_name(std::uint32_t fourcc) {
-  std::string out;
-  for (unsigned i = 0; i < 4; ++i) {
-    const char c = static_cast<char>(fourcc >> (8 * i) & 0x7fU);
-    if (c > ' ') out += c;
-  }
-  return out;
-}
-
-int eye_width(EyeLayout layout, std::uint32_t fourcc, int width) {
-  if (layout == EyeLayout::two_cameras) return width;
-  return layout == EyeLayout::interleaved && byte_by_byte(fourcc) ? width : width / 2;
-}
-
-bool to_grey(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
-  const int width = eye_width(layout, frame.fourcc, frame.width);
-  left.resize(width, frame.height);
-  if (layout != EyeLayout::two_cameras) right.resize(width, frame.height);
-  if (is_jpeg(frame.fourcc)) {
-    if (layout == EyeLayout::two_cameras) {
-      return decode_jpeg(frame.data, frame.size, frame.width, frame.height, left.view().data,
-                         static_cast<std::size_t>(left.view().stride));
-    }
-    Image<std::uint8_t> both(frame.width, frame.height);
-    const auto stride = static_cast<std::size_t>(both.view().stride);
-    if (!decode_jpeg(frame.data, frame.size, frame.width, frame.height, both.view().data, stride)) return false;
-    const RawFrame grey{both.view().data,  stride * static_cast<std::size_t>(frame.height),
-                        V4L2_PIX_FMT_GREY, frame.width,
-                        frame.height,      stride};
-    return to_grey(grey, layout, left, right);
-  }
+// Pixels of whole bytes, to one eye or two.
+bool split(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
+  const int width = left.width();
   Packing packing;
   if (!packing_of(frame.fourcc, packing)) return false;
   const std::size_t row = packing.bytes * static_cast<std::size_t>(frame.width);
@@ -172,6 +149,69 @@ bool to_grey(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left,
       break;
   }
   return true;
+}
+
+// What is not pixel by pixel in memory, as a whole frame.
+Conversion unpack(const RawFrame& frame, ImageView<std::uint8_t> out) {
+  if (const auto packed = packed_of(frame.fourcc)) {
+    return {unpack_samples(*packed, frame.data, frame.size, frame.stride, out), false};
+  }
+  const JpegResult jpeg = decode_jpeg(frame.data, frame.size, out);
+  return {jpeg.whole, jpeg.warnings > 0};
+}
+
+RawFrame as_grey(const Image<std::uint8_t>& image) {
+  const auto stride = static_cast<std::size_t>(image.cview().stride);
+  return {image.cview().data, stride * static_cast<std::size_t>(image.height()),
+          V4L2_PIX_FMT_GREY,  image.width(),
+          image.height(),     stride};
+}
+
+}  // namespace
+
+bool is_known_format(std::uint32_t fourcc) {
+  Packing packing;
+  return is_jpeg(fourcc) || packed_of(fourcc) || packing_of(fourcc, packing);
+}
+
+bool is_mosaic_format(std::uint32_t fourcc) { return mosaic_of(fourcc) != nullptr; }
+
+std::string fourcc_name(std::uint32_t fourcc) {
+  std::string out;
+  for (unsigned i = 0; i < 4; ++i) {
+    const char c = static_cast<char>(fourcc >> (8 * i) & 0x7fU);
+    if (c > ' ') out += c;
+  }
+  return out;
+}
+
+int eye_width(EyeLayout layout, std::uint32_t fourcc, int width) {
+  if (layout == EyeLayout::two_cameras) return width;
+  return layout == EyeLayout::interleaved && byte_by_byte(fourcc) ? width : width / 2;
+}
+
+Conversion to_grey(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
+  const int width = eye_width(layout, frame.fourcc, frame.width);
+  left.resize(width, frame.height);
+  if (layout != EyeLayout::two_cameras) right.resize(width, frame.height);
+  Conversion out;
+  if (is_jpeg(frame.fourcc) || packed_of(frame.fourcc)) {
+    if (layout == EyeLayout::two_cameras) {
+      out = unpack(frame, left.view());
+    } else {
+      Image<std::uint8_t> both(frame.width, frame.height);
+      out = unpack(frame, both.view());
+      out.whole = out.whole && split(as_grey(both), layout, left, right);
+    }
+  } else {
+    out.whole = split(frame, layout, left, right);
+  }
+  if (out.whole && is_mosaic_format(frame.fourcc)) {
+    MosaicToGrey to_grey_image;
+    to_grey_image.convert(left.view());
+    if (layout != EyeLayout::two_cameras) to_grey_image.convert(right.view());
+  }
+  return out;
 }
 
 }  // namespace cliquevo::drivers

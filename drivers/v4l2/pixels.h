@@ -23,12 +23,19 @@ struct RawFrame {
 
 // Whether frames of this format can be converted.
 bool is_known_format(std::uint32_t fourcc);
+// Whether it is a raw Bayer mosaic.
+bool is_mosaic_format(std::uint32_t fourcc);
 std::string fourcc_name(std::uint32_t fourcc);
 
 // Width of one eye's image in a frame of this width.
 int eye_width(EyeLayout layout, std::uint32_t fourcc, int width);
 
-// Grey values into `left` (and `right`, where one frame holds both eyes). false: the frame is not whole.
-bool to_grey(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right);
+struct Conversion {
+  bool whole = false;
+  bool flawed = false;  // a JPEG of which the decoder warned, though every pixel is there
+  explicit operator bool() const { return whole; }
+};
+// Grey values into `left` (and `right`, where one frame holds both eyes).
+Conversion to_grey(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right);
 
 }  // namespace cliquevo::drivers

@@ -140,13 +140,16 @@ Result<void> V4l2Camera::choose_format(const CameraOptions& options) {
                                      V4L2_PIX_FMT_Y12, V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_NV12, V4L2_PIX_FMT_MJPEG}) {
       if (wanted == 0 && std::find(offered.begin(), offered.end(), best) != offered.end()) wanted = best;
     }
+    const auto known = std::find_if(offered.begin(), offered.end(), is_known_format);
+    if (wanted == 0 && known != offered.end()) wanted = *known;  // rather a mosaic than nothing
   }
   if (wanted == 0 || !is_known_format(wanted)) {
     return Error{
         "pixel format is not offered",
         fmt::format("{}: {}", path_, options.pixel_format.empty() ? "any that is known" : options.pixel_format),
-        fmt::format("it offers {}; usable are GREY, Y10, Y12, Y16, YUYV, UYVY, NV12, YU12, Y8I and MJPG",
-                    fmt::join(names, ", "))};
+        fmt::format(
+            "it offers {}; usable are GREY, Y10 to Y16, Y10P, Y12P, YUYV, UYVY, NV12, YU12, Y8I, MJPG and raw Bayer",
+            fmt::join(names, ", "))};
   }
   v4l2_format format = {};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;

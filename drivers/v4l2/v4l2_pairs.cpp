@@ -129,10 +129,12 @@ bool V4l2Pairs::stream(Eye eye, V4l2Camera& camera) {
 
 void V4l2Pairs::hand_on(Eye eye, const V4l2Frame& frame) {
   Grey& grey = grey_[static_cast<std::size_t>(eye)];
-  if (!to_grey(frame.raw, options_.layout, grey.left, grey.right)) {
+  const Conversion converted = to_grey(frame.raw, options_.layout, grey.left, grey.right);
+  if (!converted.whole) {
     pairs_.count_incomplete(eye);
     return;
   }
+  if (converted.flawed) pairs_.count_flawed(eye);
   const LiveFrame left{grey.left.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns,
                        frame.sequence};
   if (options_.layout == EyeLayout::two_cameras) {

@@ -7,6 +7,21 @@
 #include <unistd.h>
 #include <vector>
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define CLIQUEVO_THREAD_SANITIZER
+#endif
+#elif defined(__SANITIZE_THREAD__)
+#define CLIQUEVO_THREAD_SANITIZER
+#endif
+
+#ifdef CLIQUEVO_THREAD_SANITIZER
+// OpenCV, with which tests compare, initialises GDAL with its codecs: that takes two of its locks in either order, in
+// one thread.
+extern "C" __attribute__((weak, no_sanitize_thread)) const char* __tsan_default_suppressions();  // NOLINT
+extern "C" const char* __tsan_default_suppressions() { return "deadlock:libgdal\n"; }            // NOLINT
+#endif
+
 namespace cliquevo::test {
 
 namespace fs = std::filesystem;
@@ -17,6 +32,13 @@ std::string data_dir() {
 }
 
 bool have_data(const std::string& name) { return fs::exists(fs::path(data_dir()) / name); }
+
+std::string field_dir() {
+  const char* set = std::getenv("CLIQUEVO_FIELD");
+  return set != nullptr && *set != '\0' ? set : CLIQUEVO_DEFAULT_FIELD;
+}
+
+bool have_field(const std::string& name) { return fs::exists(fs::path(field_dir()) / name); }
 
 std::string binary(const std::string& name) { return std::string(CLIQUEVO_BIN_DIR) + "/" + name; }
 

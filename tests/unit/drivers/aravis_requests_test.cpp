@@ -51,5 +51,31 @@ TEST(AravisRequests, PtpIsTurnedOnByEitherNameOfTheFeature) {
   EXPECT_STREQ(ptp_feature(false), "GevIEEE1588");
 }
 
+TEST(AravisSamples, EveryPackingOfMonoAndBayerIsKnown) {
+  EXPECT_TRUE(aravis_samples(ARV_PIXEL_FORMAT_MONO_8).is_grey_bytes());
+  EXPECT_EQ(aravis_samples(ARV_PIXEL_FORMAT_MONO_12).bits, 12);
+  EXPECT_FALSE(aravis_samples(ARV_PIXEL_FORMAT_MONO_12).mosaic);
+  EXPECT_TRUE(aravis_samples(ARV_PIXEL_FORMAT_BAYER_RG_8).mosaic);
+  EXPECT_FALSE(aravis_samples(ARV_PIXEL_FORMAT_BAYER_RG_8).is_grey_bytes());
+  EXPECT_TRUE(aravis_samples(ARV_PIXEL_FORMAT_MONO_10_PACKED).packed.has_value());
+  EXPECT_EQ(aravis_samples(ARV_PIXEL_FORMAT_RGB_8_PACKED).bits, 0);
+  EXPECT_EQ(aravis_samples(0).bits, 0);
+
+  Image<std::uint8_t> out(4, 1);
+  const auto expect = [&](ArvPixelFormat format, std::vector<std::uint8_t> data) {
+    out.fill(0);
+    ASSERT_TRUE(aravis_to_grey(aravis_samples(format), data.data(), data.size(), out.view())) << format;
+    const std::uint8_t wanted[4] = {0x12, 0xff, 0x00, 0xa5};
+    for (int x = 0; x < 4; ++x) EXPECT_EQ(out.cview()(x, 0), wanted[x]) << format << " " << x;
+    EXPECT_FALSE(aravis_to_grey(aravis_samples(format), data.data(), data.size() - 1, out.view())) << format;
+  };
+  expect(ARV_PIXEL_FORMAT_MONO_8, {0x12, 0xff, 0x00, 0xa5});
+  expect(ARV_PIXEL_FORMAT_MONO_10, {0x4b, 0x00, 0xff, 0x03, 0x01, 0x00, 0x94, 0x02});
+  expect(ARV_PIXEL_FORMAT_MONO_16, {0x77, 0x12, 0x77, 0xff, 0x77, 0x00, 0x77, 0xa5});
+  expect(ARV_PIXEL_FORMAT_MONO_12_PACKED, {0x12, 0x53, 0xff, 0x00, 0x12, 0xa5});
+  expect(0x010c0047U, {0x23, 0xf1, 0xff, 0x07, 0x50, 0xa5});  // Mono12p: 0x123, 0xfff, 0x007, 0xa55
+  expect(0x010a0046U, {0x4b, 0xfc, 0x1f, 0x00, 0xa5});        // Mono10p: 0x04b, 0x3ff, 0x001, 0x294
+}
+
 }  // namespace
 }  // namespace cliquevo::drivers

@@ -82,6 +82,14 @@ TEST(LivePairs, EyesOfUnequalRatesAreToldWithWhatToDo) {
       << pairs.status();
 }
 
+TEST(LivePairs, FramesWithFlawsThatCostNoPixelAreCounted) {
+  LivePairs pairs = make(true);
+  EXPECT_EQ(pairs.status().find("flaws"), std::string::npos);
+  pairs.count_flawed(Eye::left);
+  pairs.count_flawed(Eye::left);
+  EXPECT_NE(pairs.status().find("taken with flaws that cost no pixel 2/0"), std::string::npos) << pairs.status();
+}
+
 TEST(HostClock, ACameraOfItsOwnTimeIsMappedByItsQuickestFrames) {
   HostClock clock;
   TimestampNs last = 0;

@@ -2,13 +2,18 @@
 // Every format that cameras deliver becomes the same grey image; both eyes of one frame come apart.
 #include "drivers/v4l2/pixels.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
+#include <iterator>
 #include <jpeglib.h>
 #include <linux/videodev2.h>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/support/test_data.h"
 
 namespace cliquevo::drivers {
 namespace {
@@ -84,6 +89,90 @@ TEST(Pixels, BothEyesOfOneFrameComeApart) {
   ASSERT_TRUE(left.cview().same_size(kWidth, kHeight) && right.cview().same_size(kWidth, kHeight));
   EXPECT_EQ(left.cview()(5, 3), grey(5, 3));
   EXPECT_EQ(right.cview()(5, 3), 195);
+}
+
+TEST(Pixels, SamplesThatShareBytesBecomeGrey) {
+  // Four samples in five bytes, two in three: upper bits first. Rows may have gaps.
+  for (const std::size_t gap : {std::size_t{0}, std::size_t{4}}) {
+    std::vector<std::uint8_t> ten((kWidth / 4 * 5 + gap) * kHeight, 99);
+    std::vector<std::uint8_t> twelve((kWidth / 2 * 3 + gap) * kHeight, 99);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        ten[static_cast<std::size_t>(y) * (kWidth / 4 * 5 + gap) + static_cast<std::size_t>(x / 4 * 5 + x % 4)] =
+            grey(x, y);
+        twelve[static_cast<std::size_t>(y) * (kWidth / 2 * 3 + gap) + static_cast<std::size_t>(x / 2 * 3 + x % 2)] =
+            grey(x, y);
+      }
+    }
+    expect_grey({ten.data(), ten.size(), V4L2_PIX_FMT_Y10P, kWidth, kHeight, kWidth / 4 * 5 + gap});
+    expect_grey({twelve.data(), twelve.size(), v4l2_fourcc('Y', '1', '2', 'P'), kWidth, kHeight, kWidth / 2 * 3 + gap});
+    Image<std::uint8_t> left;
+    Image<std::uint8_t> right;
+    EXPECT_FALSE(to_grey({ten.data(), ten.size() - gap - 1, V4L2_PIX_FMT_Y10P, kWidth, kHeight, kWidth / 4 * 5 + gap},
+                         EyeLayout::two_cameras, left, right));
+    ASSERT_TRUE(to_grey({ten.data(), ten.size(), V4L2_PIX_FMT_Y10P, kWidth, kHeight, kWidth / 4 * 5 + gap},
+                        EyeLayout::side_by_side, left, right));
+    EXPECT_EQ(right.cview()(3, 2), grey(kWidth / 2 + 3, 2));
+  }
+  std::vector<std::uint8_t> bits(kWidth * 10 / 8 * kHeight);
+  for (int i = 0; i < kWidth * kHeight; ++i) {
+    const unsigned value = grey(i % kWidth, i / kWidth) * 4U + 3U;
+    for (int b = 0; b < 10; ++b) {
+      const int at = 10 * i + b;
+      if ((value >> (9 - b) & 1U) != 0)
+        bits[static_cast<std::size_t>(at / 8)] |= static_cast<std::uint8_t>(0x80U >> (at % 8));
+    }
+  }
+  expect_grey({bits.data(), bits.size(), V4L2_PIX_FMT_Y10BPACK, kWidth, kHeight, 0});
+}
+
+TEST(Pixels, MosaicsBecomeGreyInEveryPatternAndDepth) {
+  struct Case {
+    std::uint32_t fourcc;
+    int bits;
+    int green;  // parity of x + y of the green pixels
+  };
+  for (const Case& c :
+       {Case{V4L2_PIX_FMT_SRGGB8, 8, 1}, Case{V4L2_PIX_FMT_SGRBG8, 8, 0}, Case{V4L2_PIX_FMT_SBGGR10, 10, 1},
+        Case{V4L2_PIX_FMT_SGBRG12, 12, 0}, Case{V4L2_PIX_FMT_SBGGR16, 16, 1}}) {
+    const std::size_t bytes = c.bits > 8 ? 2 : 1;
+    const auto data = frame_of(bytes, 0, [&](std::uint8_t* to, int x, int y) {
+      const unsigned value = (x + y) % 2 == c.green ? 200U : y % 2 == 0 ? 40U : 80U;
+      if (c.bits == 8) {
+        *to = static_cast<std::uint8_t>(value);
+      } else {
+        set16(to, value << (c.bits - 8));
+      }
+    });
+    Image<std::uint8_t> left;
+    Image<std::uint8_t> right;
+    EXPECT_TRUE(is_known_format(c.fourcc) && is_mosaic_format(c.fourcc));
+    ASSERT_TRUE(to_grey({data.data(), data.size(), c.fourcc, kWidth, kHeight, 0}, EyeLayout::two_cameras, left, right));
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) EXPECT_EQ(left.cview()(x, y), (40 + 2 * 200 + 80) / 4) << fourcc_name(c.fourcc);
+    }
+  }
+  EXPECT_FALSE(is_mosaic_format(V4L2_PIX_FMT_GREY));
+}
+
+TEST(Pixels, JpegFramesThatOnlyMakeTheDecoderWarnAreTakenAndMarked) {
+  CLIQUEVO_NEEDS_FIELD("02-mjpeg-that-warns");
+  Image<std::uint8_t> clean;
+  Image<std::uint8_t> none;
+  for (const char* name : {"9_rst_plain.jpg", "A_rst_extraneous.jpg", "5_noEOI.jpg", "6_garbage_after.jpg"}) {
+    std::ifstream in(test::field_dir() + "/02-mjpeg-that-warns/" + name, std::ios::binary);
+    const std::vector<char> bytes(std::istreambuf_iterator<char>(in), {});
+    Image<std::uint8_t> image;
+    const RawFrame frame{
+        reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), V4L2_PIX_FMT_MJPEG, 640, 400, 0};
+    const Conversion got = to_grey(frame, EyeLayout::two_cameras, image, none);
+    ASSERT_TRUE(got.whole) << name;
+    EXPECT_EQ(got.flawed, name[0] == 'A' || name[0] == '5') << name;
+    if (clean.empty()) clean.copy_from(image.cview());
+    for (int y = 0; y < 400; ++y) {
+      ASSERT_TRUE(std::equal(clean.cview().row(y), clean.cview().row(y) + 640, image.cview().row(y))) << name;
+    }
+  }
 }
 
 TEST(Pixels, FramesThatAreNotWholeAreRefused) {

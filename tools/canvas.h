@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What charts are drawn with: lines, discs, boxes and text with smooth edges.
+#pragma once
+
+#include <string_view>
+
+#include "tools/picture.h"
+
+namespace cliquevo::tools {
+
+struct Point {
+  double x = 0.0;
+  double y = 0.0;
+};
+inline Point operator+(Point a, Point b) { return {a.x + b.x, a.y + b.y}; }
+inline Point operator-(Point a, Point b) { return {a.x - b.x, a.y - b.y}; }
+inline Point operator*(Point a, double s) { return {a.x * s, a.y * s}; }
+
+struct Box {
+  double x = 0.0;
+  double y = 0.0;
+  double width = 0.0;
+  double height = 0.0;
+  double right() const { return x + width; }
+  double bottom() const { return y + height; }
+  bool contains(Point p) const { return p.x >= x && p.x < right() && p.y >= y && p.y < bottom(); }
+};
+
+// All lengths are pixels of the finished picture, Y downwards.
+class Canvas {
+ public:
+  Canvas(int width, int height);
+
+  void line(Point a, Point b, double width, Color color);  // with round ends
+  void disc(Point middle, double radius, Color color);
+  void ring(Point middle, double radius, double width, Color color);  // the radius is that of the line's middle
+  void fill(Box box, Color color);
+  void frame(Box box, double width, Color color);
+  // ASCII; `height` is that of a capital. By the text's left end (upright: its lower one) and middle line.
+  void text(std::string_view text, Point start, double height, Color color, bool upright = false);
+
+  Picture finish() const;
+
+ private:
+  void set(int x, int y, Color color);
+
+  Picture large_;  // several times the finished size: scaled down, edges come out smooth
+};
+
+double text_width(std::string_view text, double height);
+
+}  // namespace cliquevo::tools
