@@ -4,13 +4,13 @@ pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
 
 # Estimates out over LCM (replay uses it too), and the way of a frame on threads.
 add_library(cliquevo_daemon_lib STATIC
-  command_receiver.cpp effective_config.cpp health.cpp image_tap.cpp lcm_url.cpp machine.cpp messages.cpp pipeline.cpp publisher.cpp recording.cpp source.cpp
+  command_receiver.cpp effective_config.cpp health.cpp image_tap.cpp lcm_url.cpp machine.cpp messages.cpp pipeline.cpp publisher.cpp recording.cpp rectified_size.cpp source.cpp
   trajectory_sink.cpp)
 target_link_libraries(cliquevo_daemon_lib
   PUBLIC cliquevo_options cliquevo_base cliquevo_rt cliquevo_pipeline cliquevo_lcmtypes
   PRIVATE cliquevo_trajectory fmt::fmt spdlog::spdlog)
 
-add_executable(cliquevod main.cpp daemon.cpp log.cpp service.cpp signals.cpp)
+add_executable(cliquevod main.cpp daemon.cpp log.cpp service.cpp signals.cpp start_up.cpp)
 target_link_libraries(cliquevod PRIVATE
   cliquevo_daemon_lib cliquevo_drivers CLI11::CLI11 fmt::fmt spdlog::spdlog PkgConfig::SYSTEMD)
 target_compile_definitions(cliquevod PRIVATE CLIQUEVO_VERSION="${PROJECT_VERSION}")
