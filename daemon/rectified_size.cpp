@@ -50,7 +50,8 @@ Image<std::uint8_t> make_texture(int width, int height) {
       for (const unsigned bits : kCellBits) {
         sum += hash(static_cast<std::uint32_t>(x) >> bits, (static_cast<std::uint32_t>(y) >> bits) + bits) & 0x3fU;
       }
-      view(x, y) = static_cast<std::uint8_t>(sum + (hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)) & 7U));
+      view(x, y) =
+          static_cast<std::uint8_t>(sum + (hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)) & 7U));
     }
   }
   return out;
@@ -189,13 +190,15 @@ std::string describe(const RectifiedSize& size, const drivers::SourceInfo& sourc
   };
   const double period_ms = size.budget_ms / kBudgetShare;
   if (size.scale == 1.0 && size.fits) {
-    return fmt::format("rectified images keep their native size {} (rectify.scale auto): a frame takes {:.1f} ms of {:.1f} ms",
-                       dimensions(1.0), size.cost_ms, period_ms);
+    return fmt::format(
+        "rectified images keep their native size {} (rectify.scale auto): a frame takes {:.1f} ms of {:.1f} ms",
+        dimensions(1.0), size.cost_ms, period_ms);
   }
-  return fmt::format("rectified images of {} (rectify.scale auto chose {:g}): a frame takes {:.1f} ms of {:.1f} ms, {:.1f} ms "
-                     "in the native size {}{}",
-                     dimensions(size.scale), size.scale, size.cost_ms, period_ms, size.native_cost_ms, dimensions(1.0),
-                     size.fits ? "" : "; this machine does not keep the rate: lower rate_hz or stereo.num_disparities");
+  return fmt::format(
+      "rectified images of {} (rectify.scale auto chose {:g}): a frame takes {:.1f} ms of {:.1f} ms, {:.1f} ms "
+      "in the native size {}{}",
+      dimensions(size.scale), size.scale, size.cost_ms, period_ms, size.native_cost_ms, dimensions(1.0),
+      size.fits ? "" : "; this machine does not keep the rate: lower rate_hz or stereo.num_disparities");
 }
 
 }  // namespace cliquevo::daemon

@@ -193,7 +193,8 @@ void add_cameras_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0.5, 3600.0))
       ->type_name("S");
   tests->add_flag("--unplug", arguments->unplug, "Ask for a camera to be unplugged, too");
-  tests->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
+  tests
+      ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
   tests->footer(

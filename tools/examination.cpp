@@ -180,8 +180,7 @@ Finding rectified_size(const daemon::Config& config, const drivers::SourceInfo& 
 
 void examine_source(const daemon::Config& config, std::vector<Finding>& findings) {
   const auto refused = [&findings](const Error& error) {
-    findings.push_back(
-        {"source and calibration", Verdict::missing, error.what + ": " + error.where, error.remedy});
+    findings.push_back({"source and calibration", Verdict::missing, error.what + ": " + error.where, error.remedy});
   };
   const auto source = daemon::open_source(config.source);
   if (!source) return refused(source.error());

@@ -127,7 +127,8 @@ void add_record_command(CLI::App& app, int& exit_code) {
   record->add_option("--speed", arguments->speed, "Times recorded pace; left out: as fast as it goes")
       ->check(CLI::PositiveNumber)
       ->type_name("N");
-  record->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
+  record
+      ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
   record->footer(

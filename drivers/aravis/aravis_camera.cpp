@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kBuffers = 16;
 constexpr int kSocketBuffer = 8 << 20;
-constexpr std::size_t kMostAround = 2;          // a frame with 16 bits a pixel may be padded to so many times its size
+constexpr std::size_t kMostAround = 2;         // a frame with 16 bits a pixel may be padded to so many times its size
 constexpr std::size_t kMostExtra = 1U << 20U;  // and bring chunks
 constexpr int kPriority = 20;  // of who takes packets: below stereo and odometry, above all that may wait
 constexpr double kHopePeriods = 0.5;

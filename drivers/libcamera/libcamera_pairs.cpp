@@ -24,8 +24,7 @@ Result<std::unique_ptr<LibcameraCamera>> LibcameraPairs::open_eye(Eye eye, OpenT
       id, options_, [this, eye](const LibcameraFrame& frame) { hand_on(eye, frame); }, trouble);
 }
 
-Result<std::unique_ptr<LibcameraPairs>> LibcameraPairs::open(const CameraOptions& options,
-                                                             OpenTrouble& trouble) {
+Result<std::unique_ptr<LibcameraPairs>> LibcameraPairs::open(const CameraOptions& options, OpenTrouble& trouble) {
   std::unique_ptr<LibcameraPairs> out(new LibcameraPairs(options));
   const std::size_t eyes = options.layout == EyeLayout::two_cameras ? 2 : 1;
   for (std::size_t i = 0; i < eyes; ++i) {

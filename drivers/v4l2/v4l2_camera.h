@@ -73,7 +73,7 @@ class V4l2Camera {
   std::uint32_t fourcc_ = 0;
   std::vector<Mapped> buffers_;
   std::optional<std::uint32_t> taken_;
-  std::int64_t exposure_ns_ = 0;  // 0 = not known
+  std::int64_t exposure_ns_ = 0;                        // 0 = not known
   mutable OpenTrouble trouble_ = OpenTrouble::lasting;  // of the last refusal
 };
 

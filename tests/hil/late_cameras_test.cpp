@@ -37,8 +37,7 @@ constexpr int kHeight = 240;
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
 bool enter_network_with_two_addresses() {
-  return test::enter_private_network() &&
-         std::system("for i in 2 9; do ip address add 127.0.0.$i/8 dev lo; done") == 0;
+  return test::enter_private_network() && std::system("for i in 2 9; do ip address add 127.0.0.$i/8 dev lo; done") == 0;
 }
 
 #define CLIQUEVO_NEEDS_TWO_ADDRESSES() \
@@ -190,7 +189,7 @@ TEST(LateCameras, DaemonAndCamerasMayBeStartedInEitherOrder) {
     daemon.send(SIGTERM);
     const test::Finished end = daemon.wait();
     EXPECT_EQ(end.exit_code, 0) << "run " << run << ": " << end.err;
-    if (daemon_first) EXPECT_GE(occurrences(end.err, "waiting for a camera"), 1U) << end.err;
+    EXPECT_TRUE(!daemon_first || occurrences(end.err, "waiting for a camera") > 0) << end.err;
     EXPECT_LE(occurrences(end.err, "waiting for a camera: no such camera"), 2U) << end.err;  // each eye once
     test::Subprocess& cameras = daemon_first ? second : first;
     cameras.send(SIGTERM);
@@ -252,8 +251,8 @@ TEST(LateCameras, WhatWaitingDoesNotCureEndsAtOnce) {
             std::string::npos);
   // ... and when it is.
   test::Subprocess cameras({test::binary("cliquevo"), "hil", course, "--pingpong"});
-  test::Subprocess daemon({test::binary("cliquevod"), "--config",
-                           write_config(dir, course + "/calib.txt", ", pixel_format: BayerXY8")});
+  test::Subprocess daemon(
+      {test::binary("cliquevod"), "--config", write_config(dir, course + "/calib.txt", ", pixel_format: BayerXY8")});
   const test::Finished end = daemon.wait(60.0);
   EXPECT_EQ(end.exit_code, 1) << end.err;
   EXPECT_NE(end.err.find("pixel format is not offered"), std::string::npos) << end.err;
@@ -347,8 +346,8 @@ std::vector<Bytes> forgeries(std::uint64_t frame, std::mt19937& random) {
     for (const GvspKind kind : {GvspKind::all_in, GvspKind::h264, GvspKind::multipart}) {
       out.push_back(test::gvsp_packet(extended, kind, frame++, 1, 1400));
     }
-    for (const std::uint16_t type : {2, 4, 5, 6, 10}) {
-      Bytes leader = test::gvsp_leader(extended, frame++, 0xffffffff, 0xffffffff, type);
+    for (const unsigned type : {2U, 4U, 5U, 6U, 10U}) {
+      Bytes leader = test::gvsp_leader(extended, frame++, 0xffffffff, 0xffffffff, static_cast<std::uint16_t>(type));
       leader.resize(leader.size() + 1000, 0xff);  // parts without end
       out.push_back(leader);
     }
@@ -372,8 +371,8 @@ TEST(ForgedStreams, NeitherGrowNorEndTheDaemonWhosePosesGoOn) {
   const std::string dir = test::scratch_dir();
   const std::string trajectory = dir + "/poses.txt";
   test::Subprocess cameras({test::binary("cliquevo"), "hil", course, "--pingpong"});
-  test::Subprocess daemon({test::binary("cliquevod"), "--config", write_config(dir, course + "/calib.txt"),
-                           "--trajectory", trajectory});
+  test::Subprocess daemon(
+      {test::binary("cliquevod"), "--config", write_config(dir, course + "/calib.txt"), "--trajectory", trajectory});
   ASSERT_TRUE(until([&] { return poses(trajectory) >= 10; }));
   const Forger stranger("127.0.0.9");
   const Forger neighbour("127.0.0.1");  // by the left camera's own address

@@ -36,7 +36,7 @@ inline Bytes gvsp_leader(bool extended, std::uint64_t frame, std::uint32_t width
   Bytes out = gvsp_packet(extended, GvspKind::leader, frame, 0, 0);
   put_big_endian(out, 0, 2);
   put_big_endian(out, payload_type, 2);
-  put_big_endian(out, 0, 8);  // stamp
+  put_big_endian(out, 0, 8);           // stamp
   put_big_endian(out, 0x01080001, 4);  // Mono8
   put_big_endian(out, width, 4);
   put_big_endian(out, height, 4);

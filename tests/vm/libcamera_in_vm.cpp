@@ -47,12 +47,14 @@ int main() {
     drivers::CameraOptions wrong = options;
     wrong.left = "nowhere";
     const auto missing = LibcameraPairs::open(wrong, trouble);
-    check(!missing.ok() && trouble == drivers::OpenTrouble::absent && missing.error().line().find(options.left) != std::string::npos,
+    check(!missing.ok() && trouble == drivers::OpenTrouble::absent &&
+              missing.error().line().find(options.left) != std::string::npos,
           "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
     wrong = options;
     wrong.pixel_format = "NV16";
     const auto refused = LibcameraPairs::open(wrong, trouble);
-    check(!refused.ok() && trouble == drivers::OpenTrouble::lasting && refused.error().line().find("it offers YUYV") != std::string::npos,
+    check(!refused.ok() && trouble == drivers::OpenTrouble::lasting &&
+              refused.error().line().find("it offers YUYV") != std::string::npos,
           "a format that is not offered: " + (refused.ok() ? std::string("taken") : refused.error().line()));
   }
   auto pairs = LibcameraPairs::open(options, trouble);

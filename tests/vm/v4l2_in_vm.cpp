@@ -111,7 +111,8 @@ void uvc_pair() {
     wrong = options_for(10.0);
     wrong.left = "/dev/video77";
     const auto missing = V4l2Pairs::open(wrong, trouble);
-    check(!missing.ok() && trouble == OpenTrouble::absent, "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
+    check(!missing.ok() && trouble == OpenTrouble::absent,
+          "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
   }
   std::ofstream("/etc/group") << "root:x:0:\nvideo:x:44:\n";
   for (const char* eye : {"/dev/eye-left", "/dev/eye-right"}) {  // as udev does it

@@ -66,8 +66,9 @@ TEST(RectifiedSize, WhereNoSizeKeepsItTheSmallestIsTakenAndSaid) {
 }
 
 TEST(RectifiedSize, AnErrorOfTheMeasurementIsHandedOn) {
-  const auto picked = pick_scale(kFiveMegapixels, kBudgetMs,
-                                 [](double) -> Result<double> { return Error{"no memory", "here", "buy some"}; });
+  const auto picked = pick_scale(kFiveMegapixels, kBudgetMs, [](double) -> Result<double> {
+    return Error{"no memory", "here", "buy some"};
+  });
   EXPECT_FALSE(picked.ok());
 }
 

@@ -95,7 +95,8 @@ TEST(StreamGuard, LeadersOfOtherImagesAndKindsThatAreNoneOfOursAreDropped) {
     EXPECT_FALSE(stream.lets_through(test::gvsp_leader(extended, 9, kWidth + 1, kHeight)));
     EXPECT_FALSE(stream.lets_through(test::gvsp_leader(extended, 9, kWidth, 1U << 31U)));
     for (const unsigned payload_type : {0U, 2U, 4U, 5U, 10U, 0x3fffU}) {
-      EXPECT_FALSE(stream.lets_through(test::gvsp_leader(extended, 9, kWidth, kHeight, static_cast<std::uint16_t>(payload_type))));
+      EXPECT_FALSE(stream.lets_through(
+          test::gvsp_leader(extended, 9, kWidth, kHeight, static_cast<std::uint16_t>(payload_type))));
     }
     EXPECT_TRUE(stream.lets_through(test::gvsp_leader(extended, 9, kWidth, kHeight, 0x4001)));  // with chunks
     for (const int kind : {0, 4, 5, 6, 7, 8, 127}) {
@@ -127,8 +128,8 @@ TEST(StreamGuard, WhatComesFromAnotherAddressIsDropped) {
 
 TEST(StreamGuard, AStreamThatCannotBeGuardedIsAnError) {
   EXPECT_FALSE(guard_stream(1, stream_filter(shape(kLoopback))).ok());
-  EXPECT_FALSE(Guarded({kLoopback, kPayload, 48, kWidth, kHeight}).lets_through(
-      test::gvsp_leader(false, 12, kWidth, kHeight)));
+  EXPECT_FALSE(
+      Guarded({kLoopback, kPayload, 48, kWidth, kHeight}).lets_through(test::gvsp_leader(false, 12, kWidth, kHeight)));
 }
 
 }  // namespace
