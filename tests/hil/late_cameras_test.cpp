@@ -32,8 +32,6 @@ using std::chrono::steady_clock;
 using test::Bytes;
 using test::GvspKind;
 
-constexpr int kWidth = 320;
-constexpr int kHeight = 240;
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 
 bool enter_network_with_two_addresses() {

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/rectified_size.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
+
+#include "daemon/frame_pipeline.h"
+#include "drivers/simulator.h"
 
 namespace cliquevo::daemon {
 namespace {
@@ -110,6 +114,41 @@ TEST(RectifiedSize, ARealMeasurementEndsAndNamesWhatItFound) {
   EXPECT_EQ(size->scale, 1.0);
   EXPECT_GT(size->cost_ms, 0.0);
   EXPECT_NE(describe(*size, info).find("native size 320x240"), std::string::npos) << describe(*size, info);
+}
+
+// The way that was driven does not depend on the size, be the images rectified here or before.
+TEST(RectifiedSize, RawAndRectifiedPairsAreFollowedAtHalfTheSize) {
+  for (const bool raw : {false, true}) {
+    drivers::SimulatorOptions options;
+    options.width = 640;
+    options.height = 480;
+    options.focal_px = 700.0;
+    options.frames = 5;
+    options.raw = raw;
+    options.cache_dir = "none";
+    auto source = drivers::open_simulator(options);
+    ASSERT_TRUE(source.ok()) << source.error().line();
+    PipelineParams params;
+    params.rectify.scale = 0.5;
+    auto pipeline = FramePipeline::make(params, (*source)->info());
+    ASSERT_TRUE(pipeline.ok()) << pipeline.error().line();
+    EXPECT_EQ(pipeline->model().width, 320);
+    EXPECT_EQ(pipeline->model().height, 240);
+    EXPECT_EQ(pipeline->rectified_left().width, 320);
+    drivers::StereoPair pair;
+    std::optional<RigidTransform> T_first_world;
+    RigidTransform truth;
+    while (true) {
+      const auto more = (*source)->next(pair);
+      ASSERT_TRUE(more.ok());
+      if (!*more) break;
+      ASSERT_TRUE(pipeline->process(pair).ok());
+      if (!T_first_world) T_first_world = pair.truth_T_world_camera->inverse();
+      truth = *T_first_world * *pair.truth_T_world_camera;
+    }
+    EXPECT_GT(truth.t.norm(), 0.3);
+    EXPECT_LT((pipeline->estimate().T_world_camera.t - truth.t).norm(), 0.01 * truth.t.norm()) << (raw ? "raw" : "");
+  }
 }
 
 }  // namespace
