@@ -214,11 +214,11 @@ int check(const DaemonOptions& options) {
   if (!config) return report(config.error()), kBadInput;
   if (const auto ok = config->check(); !ok) return report(ok.error()), kBadInput;
   drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
-  const auto rig = open_rig(*config, ignored);
+  Config tried = *config;
+  tried.rectify.scale = config->rectify.scale.value_or(1.0);  // what this machine keeps up with is the doctor's to say
+  const auto rig = open_rig(tried, ignored);
   if (!rig) return report(rig.error()), kBadInput;
-  const drivers::SourceInfo& info = (*rig)->source->info();
-  fmt::print("# {}\n", drivers::describe_source(info));
-  if (const std::string chosen = describe((*rig)->size, info); !chosen.empty()) fmt::print("# {}\n", chosen);
+  fmt::print("# {}\n", drivers::describe_source((*rig)->source->info()));
   fmt::print("{}", effective_config_yaml(*config));
   return kDone;
 }
