@@ -361,6 +361,7 @@ Result<void> Config::check() const {
     return own_range("recording.max_total_mb", "give 2 to 100000000");
   }
   if (log.queue_mb < 1 || log.queue_mb > 4096) return own_range("recording.queue_mb", "give 1 to 4096");
+  if (auto ok = in_section("rectify", rectify.check()); !ok) return ok;
   if (auto ok = in_section("stereo", stereo.check()); !ok) return ok;
   if (auto ok = in_section("odometry", odometry.check()); !ok) return ok;
   return in_section("source.simulator", source.simulator.check());

@@ -15,6 +15,7 @@
 #include "drivers/camera_options.h"
 #include "drivers/recording.h"
 #include "drivers/simulator.h"
+#include "stereo/rectify_params.h"
 #include "stereo/stereo_params.h"
 
 namespace cliquevo::daemon {
@@ -81,6 +82,7 @@ struct Mounting {
 
 struct Config {
   SourceConfig source;
+  stereo::RectifyParams rectify;
   stereo::StereoParams stereo;
   vo::VoParams odometry;
   LcmConfig lcm;

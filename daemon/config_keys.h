@@ -117,6 +117,9 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("source.simulator.cache_limit_gb", simulator.cache_limit_gb);
   v.key("source.simulator.workers", simulator.workers);
 
+  v.key("rectify.scale", c.rectify.scale);
+  v.key("rectify.fov_deg", c.rectify.fov_deg);
+
   auto& stereo = c.stereo;
   v.choice("stereo.prefilter", stereo.prefilter,
            {{"none", stereo::Prefilter::none},

@@ -24,8 +24,8 @@
 #include "daemon/recording.h"
 #include "daemon/service.h"
 #include "daemon/signals.h"
-#include "daemon/source.h"
 #include "daemon/stages.h"
+#include "daemon/start_up.h"
 #include "daemon/trajectory_sink.h"
 #include "drivers/describe.h"
 
@@ -42,20 +42,6 @@ Result<Config> load(const DaemonOptions& options) {
   return options.config.empty() ? Result<Config>(default_config()) : read_config(options.config);
 }
 
-// What the working threads use.
-struct Workshop {
-  StereoStage stereo;
-  OdometryStage odometry;
-};
-
-Result<std::unique_ptr<Workshop>> make_workshop(const Config& config, const drivers::SourceInfo& source) {
-  auto stereo = StereoStage::make(config.stereo, source);
-  if (!stereo) return stereo.error();
-  auto odometry = OdometryStage::make(config.odometry, source, *stereo);
-  if (!odometry) return odometry.error();
-  return std::make_unique<Workshop>(Workshop{std::move(*stereo), std::move(*odometry)});
-}
-
 // The stereo thread's helpers wait for each other: all of them run like it.
 void schedule_workers(const RealtimeConfig& config, StereoStage& stereo) {
   int number = 1;
@@ -69,8 +55,10 @@ void schedule_workers(const RealtimeConfig& config, StereoStage& stereo) {
   }
 }
 
-void describe(const drivers::SourceInfo& source, const StereoModel& model) {
+void describe(const drivers::SourceInfo& source, const RectifiedSize& size, const StereoModel& model) {
   spdlog::info(drivers::describe_source(source));
+  const std::string chosen = describe(size, source);
+  if (!chosen.empty()) spdlog::log(size.fits ? spdlog::level::info : spdlog::level::warn, chosen);
   const std::string lines = drivers::describe_geometry(model);
   std::size_t begin = 0;
   while (begin < lines.size()) {
@@ -216,11 +204,12 @@ int check(const DaemonOptions& options) {
   const auto config = load(options);
   if (!config) return report(config.error()), kBadInput;
   if (const auto ok = config->check(); !ok) return report(ok.error()), kBadInput;
-  const auto source = open_source(config->source);
-  if (!source) return report(source.error()), kBadInput;
-  const auto workshop = make_workshop(*config, (*source)->info());
-  if (!workshop) return report(workshop.error()), kBadInput;
-  fmt::print("# {}\n", drivers::describe_source((*source)->info()));
+  drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
+  Config tried = *config;
+  tried.rectify.scale = config->rectify.scale.value_or(1.0);  // what this machine keeps up with is the doctor's to say
+  const auto rig = open_rig(tried, ignored);
+  if (!rig) return report(rig.error()), kBadInput;
+  fmt::print("# {}\n", drivers::describe_source((*rig)->source->info()));
   fmt::print("{}", effective_config_yaml(*config));
   return kDone;
 }
@@ -237,15 +226,20 @@ int run(const DaemonOptions& options) {
     if (!refused.empty()) spdlog::warn("without real-time rights: memory is not locked: {}", refused);
   }
 
-  auto source = open_source(config->source);
-  if (!source) return report(source.error()), kBadInput;
-  const drivers::SourceInfo& info = (*source)->info();
-  auto workshop = make_workshop(*config, info);
-  if (!workshop) return report(workshop.error()), kBadInput;
+  config->source.cameras.patience_s = 0.0;  // it waits itself, and says for what
+  StartUp start(*config, signals, service);
+  auto rig = start.try_once();
+  if (!rig) return report(rig.error()), kBadInput;
+  if (start.stop_asked()) return kDone;
   auto publisher = make_publisher(*config, signals, service);
   if (!publisher) return report(publisher.error()), kBadInput;
   if (!*publisher) return kDone;
-  const StereoModel& model = (*workshop)->stereo.model();
+  if (!*rig) rig = start.wait(**publisher);
+  if (!rig) return report(rig.error()), kBadInput;
+  if (!*rig) return kDone;
+  Rig& shop = **rig;
+  const drivers::SourceInfo& info = shop.source->info();
+  const StereoModel& model = shop.stereo.model();
   Output output{std::move(**publisher),
                 {model.width, model.height, config->lcm.images_channel.empty() ? 0.0 : config->lcm.images_rate_hz},
                 std::nullopt,
@@ -256,7 +250,7 @@ int run(const DaemonOptions& options) {
     if (!trajectory) return report(trajectory.error()), kBadInput;
     output.trajectory.emplace(std::move(*trajectory));
   }
-  describe(info, model);
+  describe(info, shop.size, model);
   spdlog::info("sending {}, {} and {} to {}", config->lcm.delta_channel, config->lcm.pose_channel,
                config->lcm.status_channel, config->lcm.url);
 
@@ -269,7 +263,6 @@ int run(const DaemonOptions& options) {
     recording.add(channel, data, size);
   });
 
-  Workshop& shop = **workshop;
   schedule_workers(config->realtime, shop.stereo);
   PipelineWork work;
   work.prepare = [&shop](FrameSlot& slot) { shop.stereo.prepare(slot.frame); };
@@ -294,13 +287,14 @@ int run(const DaemonOptions& options) {
   pipeline_options.output.fifo_priority = config->realtime.output_priority;
   pipeline_options.catch_up_frames = config->realtime.catch_up_frames;
   const std::string description = info.description;
-  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(*source), recording));
+  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(shop.source), recording));
   if (!pipeline) return report(pipeline.error()), kBadInput;
   for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
 
   {
     Commands commands(*pipeline, recording);
     commands.listen(*config);
+    if (start.reload_asked()) reload(options, *config, output, recording);
     watch(*pipeline, output, recording, commands, signals, service, description,
           [&] { reload(options, *config, output, recording); });
   }

@@ -19,7 +19,7 @@ FramePipeline& FramePipeline::operator=(FramePipeline&&) noexcept = default;
 FramePipeline::~FramePipeline() = default;
 
 Result<FramePipeline> FramePipeline::make(const PipelineParams& params, const drivers::SourceInfo& source) {
-  auto stereo = StereoStage::make(params.stereo, source);
+  auto stereo = StereoStage::make(params.stereo, source, params.rectify);
   if (!stereo) return stereo.error();
   auto odometry = OdometryStage::make(params.odometry, source, *stereo);
   if (!odometry) return odometry.error();

@@ -16,6 +16,7 @@ namespace cliquevo::daemon {
 struct PipelineParams {
   stereo::StereoParams stereo;
   vo::VoParams odometry;
+  stereo::RectifyParams rectify;  // no scale: the native size, so that it does not depend on the machine
 };
 
 class FramePipeline {

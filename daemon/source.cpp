@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/source.h"
 
+#include <chrono>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -116,6 +118,27 @@ Result<std::unique_ptr<FrameSource>> make_pingpong(std::unique_ptr<FrameSource> 
 }
 
 Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config) {
+  drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
+  return open_source(config, ignored);
+}
+
+Result<std::unique_ptr<FrameSource>> open_source_within(const SourceConfig& config, double wait_s,
+                                                        const std::function<bool()>& stopped) {
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::duration<double>(wait_s);
+  for (;;) {
+    drivers::OpenTrouble trouble = drivers::OpenTrouble::lasting;
+    auto opened = open_source(config, trouble);
+    if (opened || trouble == drivers::OpenTrouble::lasting) return opened;
+    constexpr int kSteps = 10;
+    for (int i = 0; i < kSteps; ++i) {
+      if (stopped() || std::chrono::steady_clock::now() >= give_up) return opened;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    }
+  }
+}
+
+Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config, drivers::OpenTrouble& trouble) {
+  trouble = drivers::OpenTrouble::lasting;
   const bool pingpong = config.loop == "pingpong";
   if (config.type == "recording") {
     drivers::RecordingOptions options = config.recording;
@@ -129,13 +152,13 @@ Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config) {
     return pingpong ? make_pingpong(std::move(source)) : Result<std::unique_ptr<FrameSource>>(std::move(source));
   }
 #ifdef CLIQUEVO_ARAVIS
-  if (config.type == "aravis") return drivers::open_aravis(config.cameras);
+  if (config.type == "aravis") return drivers::open_aravis(config.cameras, trouble);
 #endif
 #ifdef CLIQUEVO_V4L2
-  if (config.type == "v4l2") return drivers::open_v4l2(config.cameras);
+  if (config.type == "v4l2") return drivers::open_v4l2(config.cameras, trouble);
 #endif
 #ifdef CLIQUEVO_LIBCAMERA
-  if (config.type == "libcamera") return drivers::open_libcamera(config.cameras);
+  if (config.type == "libcamera") return drivers::open_libcamera(config.cameras, trouble);
 #endif
   return Error{"source is not in this build", "source.type = " + config.type,
                "build where its library is found (`cliquevod --version` lists what is in)"};

@@ -2,6 +2,7 @@
 // Opens the source that the configuration names.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -11,7 +12,12 @@
 
 namespace cliquevo::daemon {
 
+// One try; an error that waiting may cure sets trouble to another value than lasting.
+Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceConfig& config, drivers::OpenTrouble& trouble);
 Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceConfig& config);
+// Tries again for wait_s while waiting may help and `stopped` does not say so.
+Result<std::unique_ptr<drivers::FrameSource>> open_source_within(const SourceConfig& config, double wait_s,
+                                                                 const std::function<bool()>& stopped);
 // The values of source.type that this build has.
 std::string built_in_sources();
 

@@ -59,8 +59,9 @@ Error wrong_size(const char* eye, std::int64_t index, const Image<std::uint8_t>&
 StereoStage::StereoStage(const StereoCalibration& calibration, stereo::Rectifier rectifier, stereo::DenseStereo dense)
     : calibration_(calibration), rectifier_(std::move(rectifier)), dense_(std::move(dense)) {}
 
-Result<StereoStage> StereoStage::make(const stereo::StereoParams& params, const SourceInfo& source) {
-  auto rectifier = stereo::Rectifier::make(source.calibration);
+Result<StereoStage> StereoStage::make(const stereo::StereoParams& params, const SourceInfo& source,
+                                      const stereo::RectifyParams& rectify) {
+  auto rectifier = stereo::Rectifier::make(source.calibration, rectify);
   if (!rectifier) return rectifier.error();
   auto dense = stereo::DenseStereo::make(params, rectifier->model().width, rectifier->model().height);
   if (!dense) return dense.error();

@@ -27,7 +27,8 @@ struct StereoFrame {
 
 class StereoStage {
  public:
-  static Result<StereoStage> make(const stereo::StereoParams& params, const drivers::SourceInfo& source);
+  static Result<StereoStage> make(const stereo::StereoParams& params, const drivers::SourceInfo& source,
+                                  const stereo::RectifyParams& rectify = {});
 
   const StereoModel& model() const { return rectifier_.model(); }
   const stereo::Rectifier& rectifier() const { return rectifier_; }

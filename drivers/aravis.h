@@ -9,9 +9,9 @@
 
 namespace cliquevo::drivers {
 
-// Waits for both cameras to deliver their first frames' geometry; a camera that another program still holds is asked
-// again for some seconds. From then on a lost camera is looked for until it is back.
-Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options);
+// One try, in which a camera that another program still holds is asked again for options.patience_s; trouble tells why
+// it failed. From then on a lost camera is looked for until it is back.
+Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options, OpenTrouble& trouble);
 
 // What answers on the network and USB; takes a second.
 std::vector<SeenCamera> list_aravis();

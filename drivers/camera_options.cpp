@@ -32,6 +32,17 @@ Result<void> CameraOptions::check() const {
   return {};
 }
 
+Result<void> check_live_calibration(const CameraOptions& options) {
+  // Some formats do not tell the size: any will do for them.
+  constexpr int kAnyWidth = 640;
+  constexpr int kAnyHeight = 480;
+  const auto calibration = read_calibration(options.calibration, options.width, options.height);
+  if (calibration || (options.width > 0 && options.height > 0)) {
+    return calibration ? Result<void>() : calibration.error();
+  }
+  return read_calibration(options.calibration, kAnyWidth, kAnyHeight) ? Result<void>() : calibration.error();
+}
+
 Result<SourceInfo> live_source_info(const CameraOptions& options, int width, int height,
                                     const std::string& description) {
   SourceInfo info;

@@ -23,6 +23,13 @@ enum class EyeLayout {
   interleaved,   // one camera, pixel by pixel in turn: left, right
 };
 
+// What stands in the way of opening a camera.
+enum class OpenTrouble {
+  lasting,  // nothing that waiting cures: a wrong setting, a calibration that cannot be read
+  held,     // another program has it, or had it until a moment ago
+  absent,   // it is not there, not yet or no more
+};
+
 struct CameraOptions {
   std::string left;         // serial number, address, stable name or path; with one camera for both eyes this one alone
   std::string right;        //
@@ -46,11 +53,14 @@ struct CameraOptions {
   std::string controls;   // further ones by name: "name=value,name=value"
   std::string left_mask;  // image files, 0 = the vehicle's own parts
   std::string right_mask;
+  double patience_s = 12.0;  // not a key: how long a camera that is held is asked for again before that is an error
 
   Result<void> check() const;        // ranges
   Result<void> check_names() const;  // what must be given for cameras to be opened
 };
 
+// Whether the calibration can be read at all: known before any camera is there.
+Result<void> check_live_calibration(const CameraOptions& options);
 // Reads calibration and masks for images of this size.
 Result<SourceInfo> live_source_info(const CameraOptions& options, int width, int height,
                                     const std::string& description);

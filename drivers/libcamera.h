@@ -9,8 +9,9 @@
 
 namespace cliquevo::drivers {
 
-// From then on a camera that is unplugged is looked for under its id until it is back.
-Result<std::unique_ptr<FrameSource>> open_libcamera(const CameraOptions& options);
+// One try; trouble tells why it failed. From then on a camera that is unplugged is looked for under its id until it is
+// back.
+Result<std::unique_ptr<FrameSource>> open_libcamera(const CameraOptions& options, OpenTrouble& trouble);
 
 std::vector<SeenCamera> list_libcamera();
 

@@ -79,7 +79,7 @@ void LivePairs::make_ready(const Ready& pair) {
     give_back(Eye::left, ready_.front().left);
     give_back(Eye::right, ready_.front().right);
     ready_.pop_front();
-    ++overrun_;
+    if (index_ > 0) ++overrun_;  // before the first is taken nobody waits for them
   }
   ready_.push_back(pair);
   most_ready_ = std::max(most_ready_, ready_.size());

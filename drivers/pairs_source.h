@@ -27,13 +27,17 @@ class PairsSource final : public FrameSource {
   std::unique_ptr<Pairs> pairs_;
 };
 
-// family: how people call it.
+// family: how people call it. trouble: told with an error.
 template <typename Pairs>
-Result<std::unique_ptr<FrameSource>> open_pairs_source(const CameraOptions& options, const char* family) {
+Result<std::unique_ptr<FrameSource>> open_pairs_source(const CameraOptions& options, const char* family,
+                                                       OpenTrouble& trouble) {
+  trouble = OpenTrouble::lasting;
   if (auto ok = options.check(); !ok) return ok.error();
   if (auto ok = options.check_names(); !ok) return ok.error();
-  auto pairs = Pairs::open(options);
+  if (auto ok = check_live_calibration(options); !ok) return ok.error();
+  auto pairs = Pairs::open(options, trouble);
   if (!pairs) return pairs.error();
+  trouble = OpenTrouble::lasting;
   const std::string name =
       options.layout == EyeLayout::two_cameras ? fmt::format("{} and {}", options.left, options.right) : options.left;
   auto info =

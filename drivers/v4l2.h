@@ -9,8 +9,9 @@
 
 namespace cliquevo::drivers {
 
-// From then on a camera that is unplugged is looked for under its name until it is back.
-Result<std::unique_ptr<FrameSource>> open_v4l2(const CameraOptions& options);
+// One try; trouble tells why it failed. From then on a camera that is unplugged is looked for under its name until it
+// is back.
+Result<std::unique_ptr<FrameSource>> open_v4l2(const CameraOptions& options, OpenTrouble& trouble);
 
 // Every camera that captures video, with its stable name where it has one.
 std::vector<SeenCamera> list_v4l2();

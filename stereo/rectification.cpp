@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include <Eigen/LU>
 
@@ -23,6 +24,39 @@ bool is_rotation(const Eigen::Matrix3d& R) {
   if (!R.allFinite()) return false;
   // Files carry six digits or so; anything beyond a thousandth is no rounding.
   return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3 && R.determinant() > 0.0;
+}
+
+double radians(double degrees) { return degrees * M_PI / 180.0; }
+
+// The same view's middle with another horizontal field of view.
+void set_fov(StereoModel& m, double fov_deg) {
+  const double half_width = 0.5 * (m.width - 1);
+  const double half_height = 0.5 * (m.height - 1);
+  const double middle = (half_width - m.cx_px) / m.fx_px;  // tangents
+  double low = 0.0;
+  double high = 1e3;
+  for (int i = 0; i < 100; ++i) {  // of half the view's width
+    const double half = 0.5 * (low + high);
+    const double fov = std::atan(middle + half) - std::atan(middle - half);
+    (fov < radians(fov_deg) ? low : high) = half;
+  }
+  const double ratio = half_width / high / m.fx_px;
+  m.fx_px *= ratio;
+  m.fy_px *= ratio;
+  m.doffs_px *= ratio;
+  m.cx_px = half_width - ratio * (half_width - m.cx_px);
+  m.cy_px = half_height - ratio * (half_height - m.cy_px);
+}
+
+// Pixels of another size; the corner of the first one stays where it is.
+void set_scale(StereoModel& m, double scale) {
+  m.width = static_cast<int>(std::lround(m.width * scale));
+  m.height = static_cast<int>(std::lround(m.height * scale));
+  m.fx_px *= scale;
+  m.fy_px *= scale;
+  m.doffs_px *= scale;
+  m.cx_px = (m.cx_px + 0.5) * scale - 0.5;
+  m.cy_px = (m.cy_px + 0.5) * scale - 0.5;
 }
 
 // Both eyes and how they are turned; answers how much of a pinhole image they fill.
@@ -104,8 +138,9 @@ Result<PrescribedRectification> own_rectification(const StereoCalibration& calib
   const double raw_f = 0.25 * (calibration.left.fx_px + calibration.left.fy_px +
                                calibration.right.fx_px * calibration.left.width / calibration.right.width +
                                calibration.right.fy_px * calibration.left.width / calibration.right.width);
-  const double shortest = 0.75 * raw_f;
-  const double longest = 1.5 * raw_f;
+  const double widest = 0.5 * (calibration.left.width - 1) / std::tan(radians(0.5 * RectifyParams::kMostFovDeg));
+  const double shortest = std::max(0.75 * raw_f, widest);
+  const double longest = std::max(1.5 * raw_f, widest);
   double f = pair.shortest_focal_length(shortest, longest, middle.x(), middle.y());
   // The image may sit off the middle when that lets it show more.
   for (double step = 0.05; step > 1e-4 && f > shortest; step *= 0.5) {
@@ -119,7 +154,7 @@ Result<PrescribedRectification> own_rectification(const StereoCalibration& calib
       }
     }
   }
-  if (f > longest) f = raw_f;  // borders cannot be avoided: keep the pixels' size at least
+  if (f > longest) f = std::max(raw_f, widest);  // borders cannot be avoided: keep the pixels' size at least
 
   StereoModel& m = out.model;
   m.width = calibration.left.width;
@@ -131,9 +166,8 @@ Result<PrescribedRectification> own_rectification(const StereoCalibration& calib
   return out;
 }
 
-}  // namespace
-
-Result<PrescribedRectification> choose_rectification(const StereoCalibration& calibration) {
+// As the calibration has it: native size, its own field of view.
+Result<PrescribedRectification> native_rectification(const StereoCalibration& calibration) {
   if (calibration.rectified && calibration.prescribed) {
     if (auto ok = calibration.prescribed->model.check(); !ok) return ok.error();
     return *calibration.prescribed;
@@ -154,6 +188,28 @@ Result<PrescribedRectification> choose_rectification(const StereoCalibration& ca
   if (!T.t.allFinite() || T.t.norm() < 1e-6) return bad(calibration, "no baseline between the eyes");
   auto out = own_rectification(calibration);
   if (!out) return out;
+  if (auto ok = out->model.check(); !ok) return ok.error();
+  return out;
+}
+
+}  // namespace
+
+Result<void> RectifyParams::check() const {
+  const auto bad = [](const char* name, double value, const char* remedy) {
+    return Error{"rectification parameter out of range", std::string(name) + " = " + std::to_string(value), remedy};
+  };
+  if (scale && !(*scale >= 0.05 && *scale <= 2.0)) return bad("scale", *scale, "give 0.05 to 2, or auto");
+  if (fov_deg && !(*fov_deg >= 10.0 && *fov_deg <= 150.0)) return bad("fov_deg", *fov_deg, "give 10 to 150, or auto");
+  return {};
+}
+
+Result<PrescribedRectification> choose_rectification(const StereoCalibration& calibration,
+                                                     const RectifyParams& params) {
+  if (auto ok = params.check(); !ok) return ok.error();
+  auto out = native_rectification(calibration);
+  if (!out || params.native()) return out;
+  if (params.fov_deg) set_fov(out->model, *params.fov_deg);
+  if (params.scale.value_or(1.0) != 1.0) set_scale(out->model, *params.scale);
   if (auto ok = out->model.check(); !ok) return ok.error();
   return out;
 }

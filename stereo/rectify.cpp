@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,63 @@ namespace {
 
 using kernels::RemapRow;
 constexpr int kFraction = RemapRow::kFraction;
+
+// Means of 2x2 pixels. out: half the size, rounded down.
+void halve(ImageView<const std::uint8_t> in, ImageView<std::uint8_t> out) {
+  for (int y = 0; y < out.height; ++y) {
+    const std::uint8_t* a = in.row(2 * y);
+    const std::uint8_t* b = in.row(2 * y + 1);
+    std::uint8_t* to = out.row(y);
+    for (int x = 0; x < out.width; ++x) {
+      to[x] = static_cast<std::uint8_t>((a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1] + 2) >> 2);
+    }
+  }
+}
+
+// A mask's pixel may be used where all its four may.
+void halve_mask(ImageView<const std::uint8_t> in, ImageView<std::uint8_t> out) {
+  for (int y = 0; y < out.height; ++y) {
+    const std::uint8_t* a = in.row(2 * y);
+    const std::uint8_t* b = in.row(2 * y + 1);
+    for (int x = 0; x < out.width; ++x) {
+      out(x, y) = std::min({a[2 * x], a[2 * x + 1], b[2 * x], b[2 * x + 1]});
+    }
+  }
+}
+
+// How often the raw image is halved before it is resampled to pixels of this size.
+int halvings_for(double raw_focal_px, double focal_px) {
+  constexpr int kMost = 3;
+  constexpr double kTwice = 2.0 - 1e-6;
+  int halvings = 0;
+  for (double ratio = raw_focal_px / focal_px; ratio >= kTwice && halvings < kMost; ratio *= 0.5) ++halvings;
+  return halvings;
+}
+
+// The camera as its halved images show it.
+CameraCalibration halved(CameraCalibration camera, int halvings) {
+  for (int i = 0; i < halvings; ++i) {
+    camera.width /= 2;
+    camera.height /= 2;
+    camera.fx_px *= 0.5;
+    camera.fy_px *= 0.5;
+    camera.cx_px = 0.5 * (camera.cx_px + 0.5) - 0.5;
+    camera.cy_px = 0.5 * (camera.cy_px + 0.5) - 0.5;
+  }
+  return camera;
+}
+
+// Raw images of a rectified pair are those of pinholes.
+CameraCalibration pinhole(const StereoModel& m, double doffs_px) {
+  CameraCalibration out;
+  out.width = m.width;
+  out.height = m.height;
+  out.fx_px = m.fx_px;
+  out.fy_px = m.fy_px;
+  out.cx_px = m.cx_px + doffs_px;
+  out.cy_px = m.cy_px;
+  return out;
+}
 
 struct Map {
   int raw_width = 0;
@@ -108,17 +166,45 @@ struct Rectifier::Impl {
   StereoModel model;
   bool identity = false;
   Map left, right;
+  // Raw images' sizes, and memory for their halves; empty = they are taken as they are.
+  int left_width = 0;
+  int left_height = 0;
+  int right_width = 0;
+  int right_height = 0;
+  mutable std::vector<Image<std::uint8_t>> left_halves, right_halves;
   const kernels::Table& kernel = kernels::active();
 
   const Map& map(Eye eye) const { return eye == Eye::left ? left : right; }
+  void prepare(const CameraCalibration& l, const CameraCalibration& r) {
+    left_width = l.width;
+    left_height = l.height;
+    right_width = r.width;
+    right_height = r.height;
+    const auto add = [](std::vector<Image<std::uint8_t>>& to, const CameraCalibration& camera, double focal_px) {
+      const int count = halvings_for(0.5 * (camera.fx_px + camera.fy_px), focal_px);
+      for (int i = 1; i <= count; ++i) to.emplace_back(camera.width >> i, camera.height >> i);
+    };
+    const double focal_px = 0.5 * (model.fx_px + model.fy_px);
+    add(left_halves, l, focal_px);
+    add(right_halves, r, focal_px);
+  }
+  // What the map resamples.
+  template <typename Halve>
+  ImageView<const std::uint8_t> source(Eye eye, ImageView<const std::uint8_t> raw, const Halve& halve_once) const {
+    for (Image<std::uint8_t>& half : eye == Eye::left ? left_halves : right_halves) {
+      halve_once(raw, half.view());
+      raw = half.cview();
+    }
+    return raw;
+  }
   Result<void> check(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
     const auto wrong = [](const char* where, int w, int h, int want_w, int want_h) {
       return Error{"cannot rectify", where,
                    "give an image of " + std::to_string(want_w) + "x" + std::to_string(want_h) + " px, not " +
                        std::to_string(w) + "x" + std::to_string(h)};
     };
-    const int raw_width = identity ? model.width : map(eye).raw_width;
-    const int raw_height = identity ? model.height : map(eye).raw_height;
+    const int raw_width = identity ? model.width : eye == Eye::left ? left_width : right_width;
+    const int raw_height = identity ? model.height : eye == Eye::left ? left_height : right_height;
     if (raw.empty() || !raw.same_size(raw_width, raw_height) || raw.stride < raw.width) {
       return wrong("raw image", raw.width, raw.height, raw_width, raw_height);
     }
@@ -137,16 +223,27 @@ Rectifier::~Rectifier() = default;
 const StereoModel& Rectifier::model() const { return impl_->model; }
 bool Rectifier::is_identity() const { return impl_->identity; }
 
-Result<Rectifier> Rectifier::make(const StereoCalibration& calibration) {
-  auto chosen = choose_rectification(calibration);
+Result<Rectifier> Rectifier::make(const StereoCalibration& calibration, const RectifyParams& params) {
+  auto chosen = choose_rectification(calibration, params);
   if (!chosen) return chosen.error();
   auto impl = std::make_unique<Impl>();
   impl->model = chosen->model;
-  impl->identity = calibration.rectified;
+  impl->identity = calibration.rectified && params.native();
   if (!impl->identity) {
     const StereoModel& m = impl->model;
-    const double left = fill_map(calibration.left, chosen->R_left, m, m.cx_px, impl->left);
-    const double right = fill_map(calibration.right, chosen->R_right, m, m.cx_px + m.doffs_px, impl->right);
+    CameraCalibration left_camera = calibration.left;
+    CameraCalibration right_camera = calibration.right;
+    if (calibration.rectified) {
+      const StereoModel& given = calibration.prescribed->model;
+      left_camera = pinhole(given, 0.0);
+      right_camera = pinhole(given, given.doffs_px);
+      chosen->R_left = chosen->R_right = Eigen::Matrix3d::Identity();
+    }
+    impl->prepare(left_camera, right_camera);
+    left_camera = halved(left_camera, static_cast<int>(impl->left_halves.size()));
+    right_camera = halved(right_camera, static_cast<int>(impl->right_halves.size()));
+    const double left = fill_map(left_camera, chosen->R_left, m, m.cx_px, impl->left);
+    const double right = fill_map(right_camera, chosen->R_right, m, m.cx_px + m.doffs_px, impl->right);
     if (left < 0.25 || right < 0.25) {
       return Error{"cannot rectify with this calibration",
                    (calibration.source.empty() ? std::string() : calibration.source + ", ") +
@@ -164,8 +261,9 @@ Result<void> Rectifier::rectify(Eye eye, ImageView<const std::uint8_t> raw, Imag
     return {};
   }
   const Map& map = impl_->map(eye);
+  const ImageView<const std::uint8_t> from = impl_->source(eye, raw, halve);
   for (int y = 0; y < out.height; ++y) {
-    impl_->kernel.remap_row(raw.data, raw.stride, map.row(y), out.width, out.row(y));
+    impl_->kernel.remap_row(from.data, from.stride, map.row(y), out.width, out.row(y));
   }
   return {};
 }
@@ -173,12 +271,13 @@ Result<void> Rectifier::rectify(Eye eye, ImageView<const std::uint8_t> raw, Imag
 Result<void> Rectifier::rectify_mask(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
   if (auto ok = impl_->check(eye, raw, out); !ok) return ok;
   if (impl_->identity) return rectify(eye, raw, out);
+  const ImageView<const std::uint8_t> from = impl_->source(eye, raw, halve_mask);
   for (int y = 0; y < out.height; ++y) {
     const RemapRow map = impl_->map(eye).row(y);
     for (int x = 0; x < out.width; ++x) {
       const bool seen = map.x[x] >= 0;
       out(x, y) =
-          seen ? raw(map.x[x] + (2 * map.weight_x[x] >= kFraction), map.y[x] + (2 * map.weight_y[x] >= kFraction)) : 0;
+          seen ? from(map.x[x] + (2 * map.weight_x[x] >= kFraction), map.y[x] + (2 * map.weight_y[x] >= kFraction)) : 0;
     }
   }
   return {};

@@ -73,6 +73,7 @@ struct TestArguments {
   std::string config;
   double seconds = 5.0;
   bool unplug = false;
+  double wait_s = 0.0;
 };
 
 // Interrupts a source that delivers nothing for long.
@@ -100,20 +101,15 @@ class Guard {
 };
 
 // One start, so many seconds of pairs, one stop. false: failed, and told.
-bool stream_once(const daemon::SourceConfig& config, double seconds, int number) {
-  auto source = daemon::open_source(config);
-  if (!source) {
-    report(source.error());
-    return false;
-  }
+bool stream_once(drivers::FrameSource& source, const daemon::SourceConfig& config, double seconds, int number) {
   CameraRun run(config.cameras.rate_hz);
   const double start_patience_s = 20.0 + 30.0 / config.cameras.rate_hz;
   drivers::StereoPair pair;
   std::int64_t begin_ns = 0;
   {
-    Guard guard(**source, start_patience_s);
+    Guard guard(source, start_patience_s);
     for (;;) {
-      const auto more = (*source)->next(pair);
+      const auto more = source.next(pair);
       if (!more.ok() || !*more) break;
       guard.alive();
       if (begin_ns == 0) begin_ns = monotonic_ns();
@@ -126,7 +122,7 @@ bool stream_once(const daemon::SourceConfig& config, double seconds, int number)
       "start {}: {} pairs, {:.3f} Hz, {} skipped, jitter up to {:.3f} periods, eyes up to {:.3f} periods apart, "
       "arrival up to {:.1f} ms after the exposure\n  {}\n  {}\n{}",
       number, run.pairs(), verdict.rate_hz, verdict.skipped, verdict.most_jitter, verdict.most_skew,
-      verdict.most_delay_ms, (*source)->status(), (*source)->queues(), run.histograms());
+      verdict.most_delay_ms, source.status(), source.queues(), run.histograms());
   for (const std::string& complaint : verdict.complaints) fmt::print("  FAIL {}\n", complaint);
   std::fflush(stdout);
   return verdict.complaints.empty();
@@ -177,7 +173,11 @@ int test(const TestArguments& arguments) {
     return report({"no cameras in the configuration", arguments.config, "set source.type and source.cameras"});
   }
   int failed = 0;
-  for (int i = 1; i <= 3; ++i) failed += stream_once(config->source, arguments.seconds, i) ? 0 : 1;
+  for (int i = 1; i <= 3; ++i) {
+    auto source = daemon::open_source_within(config->source, arguments.wait_s, [] { return false; });
+    if (!source) return report(source.error());
+    failed += stream_once(**source, config->source, arguments.seconds, i) ? 0 : 1;
+  }
   if (arguments.unplug) failed += unplug_once(config->source) ? 0 : 1;
   const int runs = arguments.unplug ? 4 : 3;
   fmt::print("{}: {} of {} runs passed\n", failed == 0 ? "PASS" : "FAIL", runs - failed, runs);
@@ -197,6 +197,10 @@ void add_cameras_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0.5, 3600.0))
       ->type_name("S");
   tests->add_flag("--unplug", arguments->unplug, "Ask for a camera to be unplugged, too");
+  tests
+      ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
   tests->footer(
       "Passes when each run's rate is within 5 %, at most 1 % of the exposures gave no pair and the eyes expose "
       "within\n"

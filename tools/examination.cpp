@@ -14,6 +14,7 @@
 
 #include "daemon/config.h"
 #include "daemon/lcm_url.h"
+#include "daemon/rectified_size.h"
 #include "daemon/source.h"
 #include "daemon/stages.h"
 
@@ -165,19 +166,32 @@ Finding cameras(const fs::path& root) {
   return {"video nodes", Verdict::good, fmt::format("{}", fmt::join(seen, ", ")), ""};
 }
 
-Finding calibration(const daemon::Config& config) {
-  const auto refused = [](const Error& error) {
-    return Finding{"source and calibration", Verdict::missing, error.what + ": " + error.where, error.remedy};
+// What a rate that cannot be kept, or only with smaller images, looks like.
+Finding rectified_size(const daemon::Config& config, const drivers::SourceInfo& source) {
+  constexpr const char* kSubject = "rectified size";
+  const auto size = daemon::choose_rectified_size(config, source);
+  if (!size) return {kSubject, Verdict::missing, size.error().what + ": " + size.error().where, size.error().remedy};
+  Finding f{kSubject, Verdict::good, daemon::describe(*size, source),
+            "a faster machine, or lower source.cameras.rate_hz or stereo.num_disparities, keeps more of it"};
+  if (f.found.empty()) f.found = fmt::format("{:g} times the raw size, as it is set", size->scale);
+  if (size->measured && size->scale != 1.0) f.verdict = size->fits ? Verdict::advice : Verdict::missing;
+  return f;
+}
+
+void examine_source(const daemon::Config& config, std::vector<Finding>& findings) {
+  const auto refused = [&findings](const Error& error) {
+    findings.push_back({"source and calibration", Verdict::missing, error.what + ": " + error.where, error.remedy});
   };
   const auto source = daemon::open_source(config.source);
   if (!source) return refused(source.error());
-  const auto stage = daemon::StereoStage::make(config.stereo, (*source)->info());
+  const auto stage = daemon::StereoStage::make(config.stereo, (*source)->info(), config.rectify);
   if (!stage) return refused(stage.error());
   const StereoModel& m = stage->model();
-  return {"source and calibration", Verdict::good,
-          fmt::format("{}; baseline {:.4f} m, focal length {:.1f} px", (*source)->info().description, m.baseline_m,
-                      m.fx_px),
-          ""};
+  findings.push_back({"source and calibration", Verdict::good,
+                      fmt::format("{}; baseline {:.4f} m, focal length {:.1f} px", (*source)->info().description,
+                                  m.baseline_m, m.fx_px),
+                      ""});
+  findings.push_back(rectified_size(config, (*source)->info()));
 }
 
 }  // namespace
@@ -195,7 +209,7 @@ std::vector<Finding> examine(const std::string& config_path, const std::string& 
     return findings;
   }
   findings.push_back(lcm_route(config->lcm.url));
-  findings.push_back(calibration(*config));
+  examine_source(*config, findings);
   return findings;
 }
 

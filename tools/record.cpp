@@ -30,6 +30,7 @@ struct RecordArguments {
   std::int64_t max_total_mb = 0;
   double seconds = 0.0;
   double speed = 0.0;
+  double wait_s = 0.0;
 };
 
 Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& arguments) {
@@ -40,7 +41,7 @@ Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& argume
     config = std::move(*read);
   }
   if (!arguments.source.text.empty()) return open_source(arguments.source, config.source);
-  return daemon::open_source(config.source);
+  return daemon::open_source_within(config.source, arguments.wait_s, StopOnSignal::asked);
 }
 
 // Sleeps in short steps, so that a signal is soon heard.
@@ -58,6 +59,7 @@ int run(const RecordArguments& arguments) {
     return report({"wrong usage", "record", "name a SOURCE, or a --config with one"}, kWrongUsage);
   }
   if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
+  const StopOnSignal signals;
   auto source = open(arguments);
   if (!source) return report(source.error());
   const drivers::SourceInfo& info = (*source)->info();
@@ -72,7 +74,6 @@ int run(const RecordArguments& arguments) {
   fmt::print("{}\n", drivers::describe_source(info));
   std::fflush(stdout);
 
-  const StopOnSignal signals;
   Progress progress(info.frame_count);
   daemon::Pacer pacer(arguments.speed > 0.0 ? arguments.speed : 1.0);
   drivers::StereoPair pair;
@@ -126,6 +127,10 @@ void add_record_command(CLI::App& app, int& exit_code) {
   record->add_option("--speed", arguments->speed, "Times recorded pace; left out: as fast as it goes")
       ->check(CLI::PositiveNumber)
       ->type_name("N");
+  record
+      ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("S");
   record->footer(
       "The log holds VO_STEREO (the pairs as grabbed, not compressed) and VO_CALIBRATION; whatever ends the writing, "
       "it\n"

@@ -122,7 +122,7 @@ int run(const ReplayArguments& arguments) {
   auto source = open_source(arguments.source, config.source);
   if (!source) return report(source.error());
   const drivers::SourceInfo& info = (*source)->info();
-  auto pipeline = daemon::FramePipeline::make({config.stereo, config.odometry}, info);
+  auto pipeline = daemon::FramePipeline::make({config.stereo, config.odometry, config.rectify}, info);
   if (!pipeline) return report(pipeline.error());
   auto files = open_end_files(arguments);
   if (!files) return report(files.error());

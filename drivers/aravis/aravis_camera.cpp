@@ -2,13 +2,16 @@
 #include "drivers/aravis/aravis_camera.h"
 
 #include <algorithm>
+#include <arpa/inet.h>
 #include <cmath>
+#include <cstring>
 #include <mutex>
 #include <utility>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "drivers/aravis/stream_guard.h"
 #include "drivers/recording/bytes.h"
 
 namespace cliquevo::drivers {
@@ -17,6 +20,8 @@ namespace {
 
 constexpr int kBuffers = 16;
 constexpr int kSocketBuffer = 8 << 20;
+constexpr std::size_t kMostAround = 2;         // a frame with 16 bits a pixel may be padded to so many times its size
+constexpr std::size_t kMostExtra = 1U << 20U;  // and bring chunks
 constexpr int kPriority = 20;  // of who takes packets: below stereo and odometry, above all that may wait
 constexpr double kHopePeriods = 0.5;
 constexpr int kNice = -10;                              // where that right is not granted
@@ -115,8 +120,8 @@ Error AravisCamera::refused(const char* what, const std::string& why) const {
 }
 
 Result<AravisCamera> AravisCamera::open(const std::string& name, const CameraOptions& options, bool follows,
-                                        bool& busy) {
-  busy = false;
+                                        OpenTrouble& trouble) {
+  trouble = OpenTrouble::absent;
   AravisCamera out;
   out.name_ = name;
   GlibError error;
@@ -127,20 +132,33 @@ Result<AravisCamera> AravisCamera::open(const std::string& name, const CameraOpt
     if (!id) return unknown_camera(name);
     out.camera_.reset(arv_camera_new(id->c_str(), error.out()));
     if (!out.camera_) {
-      busy = error.is(ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONTROLLER);
+      if (error.is(ARV_DEVICE_ERROR, ARV_DEVICE_ERROR_NOT_CONTROLLER)) trouble = OpenTrouble::held;
       return Error{"cannot open camera", name, error.text()};
     }
   }
   ArvDevice* device = arv_camera_get_device(out.camera_.get());
   if (ARV_IS_GV_DEVICE(device) && arv_gv_device_is_controller(ARV_GV_DEVICE(device)) == 0) {
-    busy = true;
+    trouble = OpenTrouble::held;
     return Error{"camera is busy", name, "another program holds it: end that one"};
   }
   g_signal_connect(device, "control-lost", G_CALLBACK(+[](ArvGvDevice*, std::atomic<bool>* lost) { *lost = true; }),
                    out.lost_.get());
-  if (auto ok = out.set_up(options, follows); !ok) return ok.error();
-  if (auto ok = out.open_stream(options); !ok) return ok.error();
-  return out;
+  auto set_up = out.set_up(options, follows);
+  if (set_up) set_up = out.open_stream(options);
+  trouble = OpenTrouble::lasting;
+  if (set_up) return out;
+  if (out.lost() || !out.answers()) trouble = OpenTrouble::absent;
+  return set_up.error();
+}
+
+// Whether it is still there and ours: else what it refused says nothing.
+bool AravisCamera::answers() {
+  GlibError error;
+  guint32 ignored = 0;
+  ArvDevice* device = arv_camera_get_device(camera_.get());
+  if (ARV_IS_GV_DEVICE(device) && arv_gv_device_is_controller(ARV_GV_DEVICE(device)) == 0) return false;
+  constexpr guint64 kVersion = 0;  // a register that every GigE Vision and USB3 Vision camera has
+  return arv_device_read_register(device, kVersion, &ignored, error.out()) != 0 && !error.failed();
 }
 
 Result<void> AravisCamera::choose_format(const std::string& wanted) {
@@ -263,8 +281,36 @@ Result<void> AravisCamera::open_stream(const CameraOptions& options) {
   }
   const auto payload = static_cast<std::size_t>(arv_camera_get_payload(camera_.get(), error.out()));
   if (error.failed()) return refused("to tell its frames' size", error.text());
+  const std::size_t most = 2 * kMostAround * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
+  if (payload > most + kMostExtra) {
+    return refused("frames of a size that fits its region", fmt::format("it tells {} bytes for {}x{}: set width and "
+                                                                        "height",
+                                                                        payload, width_, height_));
+  }
+  if (auto ok = guard(payload); !ok) return ok;
   for (int i = 0; i < kBuffers; ++i) arv_stream_push_buffer(stream_.get(), arv_buffer_new(payload, nullptr));
   return {};
+}
+
+// Before any buffer is there for a datagram to fill.
+Result<void> AravisCamera::guard(std::size_t payload_bytes) {
+  if (!ARV_IS_GV_STREAM(stream_.get())) return {};
+  GlibError error;
+  ArvDevice* device = arv_camera_get_device(camera_.get());
+  auto* address = G_INET_SOCKET_ADDRESS(arv_gv_device_get_device_address(ARV_GV_DEVICE(device)));
+  GInetAddress* host = g_inet_socket_address_get_address(address);
+  if (g_inet_address_get_family(host) != G_SOCKET_FAMILY_IPV4) return refused("to stream", "its address is not IPv4");
+  StreamShape shape;
+  std::uint32_t network_order = 0;
+  std::memcpy(&network_order, g_inet_address_to_bytes(host), sizeof network_order);
+  shape.camera_address = ntohl(network_order);
+  shape.payload_bytes = payload_bytes;
+  shape.packet_bytes = static_cast<std::size_t>(arv_camera_gv_get_packet_size(camera_.get(), error.out()));
+  if (error.failed()) return refused("to tell its packets' size", error.text());
+  shape.width = static_cast<std::uint32_t>(width_);
+  shape.height = static_cast<std::uint32_t>(height_);
+  const auto ok = guard_stream(arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), stream_filter(shape));
+  return ok ? ok : refused("to stream", ok.error().what + ": " + ok.error().remedy);
 }
 
 Result<void> AravisCamera::start() {

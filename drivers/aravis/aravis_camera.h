@@ -26,9 +26,9 @@ struct AravisFrame {
 
 class AravisCamera {
  public:
-  // follows: takes exposure and gain from the other eye where these are automatic. An error whose `busy` is set may
-  // pass: another program holds the camera, or held it a moment ago.
-  static Result<AravisCamera> open(const std::string& name, const CameraOptions& options, bool follows, bool& busy);
+  // follows: takes exposure and gain from the other eye where these are automatic. trouble: told with an error.
+  static Result<AravisCamera> open(const std::string& name, const CameraOptions& options, bool follows,
+                                   OpenTrouble& trouble);
   AravisCamera(AravisCamera&&) noexcept;
   AravisCamera& operator=(AravisCamera&&) = delete;
   ~AravisCamera();
@@ -53,6 +53,8 @@ class AravisCamera {
   Result<void> set_up_trigger(const CameraOptions& options);
   Result<void> choose_format(const std::string& wanted);
   Result<void> open_stream(const CameraOptions& options);
+  Result<void> guard(std::size_t payload_bytes);
+  bool answers();
   Error refused(const char* what, const std::string& why) const;
   void convert(AravisFrame& frame, const std::uint8_t* data, std::size_t size);
 

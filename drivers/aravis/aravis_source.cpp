@@ -28,7 +28,6 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr auto kPatience = std::chrono::seconds(12);  // at start, with a camera that another program holds or held
 constexpr milliseconds kFirstRetry{200};
 constexpr milliseconds kLastRetry{2000};
 constexpr std::uint64_t kTakeUs = 100'000;
@@ -97,8 +96,8 @@ class AravisPair final : public FrameSource {
     milliseconds pause = kFirstRetry;
     while (!stop_) {
       pairs_.set_state(eye, "reconnecting");
-      bool busy = false;
-      auto opened = AravisCamera::open(i == 0 ? options_.left : options_.right, options_, eye == Eye::right, busy);
+      OpenTrouble ignored = OpenTrouble::lasting;  // whatever it is, there is nothing else to do than to try again
+      auto opened = AravisCamera::open(i == 0 ? options_.left : options_.right, options_, eye == Eye::right, ignored);
       if (opened.ok() && opened->width() == info_.width && opened->height() == info_.height) {
         {
           const std::lock_guard<std::mutex> lock(camera_mutex_[i]);
@@ -215,21 +214,23 @@ class AravisPair final : public FrameSource {
   std::vector<std::thread> threads_;
 };
 
-Result<AravisCamera> open_patiently(const std::string& name, const CameraOptions& options, bool follows) {
-  const auto give_up = steady_clock::now() + kPatience;
+Result<AravisCamera> open_patiently(const std::string& name, const CameraOptions& options, bool follows,
+                                    OpenTrouble& trouble) {
+  const auto give_up = steady_clock::now() + std::chrono::duration<double>(options.patience_s);
   for (;;) {
-    bool busy = false;
-    auto opened = AravisCamera::open(name, options, follows, busy);
-    if (opened.ok() || !busy || steady_clock::now() > give_up) return opened;
+    auto opened = AravisCamera::open(name, options, follows, trouble);
+    if (opened.ok() || trouble != OpenTrouble::held || steady_clock::now() >= give_up) return opened;
     std::this_thread::sleep_for(milliseconds(300));
   }
 }
 
 }  // namespace
 
-Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options) {
+Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options, OpenTrouble& trouble) {
+  trouble = OpenTrouble::lasting;
   if (auto ok = options.check(); !ok) return ok.error();
   if (auto ok = options.check_names(); !ok) return ok.error();
+  if (auto ok = check_live_calibration(options); !ok) return ok.error();
   if (options.layout != EyeLayout::two_cameras) {
     return Error{"configuration value out of range", "layout", "Aravis takes two cameras: set layout to two_cameras"};
   }
@@ -240,9 +241,9 @@ Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options) {
   // We trigger both, one right after the other: what a busy network holds up is no pair.
   const bool we_trigger = options.trigger == CameraTrigger::software || options.trigger == CameraTrigger::action;
   if (we_trigger && options.shared_clock) sync.tolerance = std::min(sync.tolerance, kMostSkewS * options.rate_hz);
-  auto left = open_patiently(options.left, options, false);
+  auto left = open_patiently(options.left, options, false, trouble);
   if (!left) return left.error();
-  auto right = open_patiently(options.right, options, true);
+  auto right = open_patiently(options.right, options, true, trouble);
   if (!right) return right.error();
   if (left->width() != right->width() || left->height() != right->height()) {
     return Error{"eyes have unequal sizes", fmt::format("{} and {}", options.left, options.right),

@@ -85,7 +85,9 @@ Error LibcameraCamera::refused(const std::string& what) const {
 }
 
 Result<std::unique_ptr<LibcameraCamera>> LibcameraCamera::open(const std::string& id, const CameraOptions& options,
-                                                               std::function<void(const LibcameraFrame&)> on_frame) {
+                                                               std::function<void(const LibcameraFrame&)> on_frame,
+                                                               OpenTrouble& trouble) {
+  trouble = OpenTrouble::lasting;
   libcamera::CameraManager* manager = camera_manager();
   if (manager == nullptr) return Error{"libcamera does not start", id, "its own lines above tell why"};
   std::unique_ptr<LibcameraCamera> out(new LibcameraCamera());
@@ -93,6 +95,7 @@ Result<std::unique_ptr<LibcameraCamera>> LibcameraCamera::open(const std::string
   out->on_frame_ = std::move(on_frame);
   out->camera_ = manager->get(id);
   if (!out->camera_) {
+    trouble = OpenTrouble::absent;
     std::vector<std::string> seen;
     for (const auto& camera : manager->cameras()) seen.push_back(camera->id());
     return Error{"no such camera", id,
@@ -100,14 +103,26 @@ Result<std::unique_ptr<LibcameraCamera>> LibcameraCamera::open(const std::string
                               : fmt::format("there is {}", fmt::join(seen, ", "))};
   }
   const int acquired = out->camera_->acquire();
-  if (acquired != 0) return Error{"camera is busy", id, "another program holds it: end that one"};
+  if (acquired != 0) {
+    trouble = acquired == -EBUSY ? OpenTrouble::held : OpenTrouble::absent;
+    return Error{"camera is busy", id, "another program holds it: end that one"};
+  }
   out->acquired_ = true;
-  if (auto ok = out->configure(options); !ok) return ok.error();
-  if (auto ok = out->map_buffers(); !ok) return ok.error();
-  if (auto ok = out->set_controls(options); !ok) return ok.error();
+  auto set_up = out->configure(options);
+  if (set_up) set_up = out->map_buffers();
+  if (set_up) set_up = out->set_controls(options);
+  if (!set_up) {
+    trouble = out->trouble();
+    return set_up.error();
+  }
   out->camera_->requestCompleted.connect(out.get(), &LibcameraCamera::completed);
   out->camera_->disconnected.connect(out.get(), &LibcameraCamera::disconnected);
   return out;
+}
+
+OpenTrouble LibcameraCamera::trouble() const {
+  libcamera::CameraManager* manager = camera_manager();
+  return manager != nullptr && manager->get(id_) ? OpenTrouble::lasting : OpenTrouble::absent;
 }
 
 LibcameraCamera::~LibcameraCamera() {

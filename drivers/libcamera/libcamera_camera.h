@@ -28,9 +28,10 @@ struct LibcameraFrame {
 
 class LibcameraCamera {
  public:
-  // on_frame is called on libcamera's thread.
+  // on_frame is called on libcamera's thread. trouble: told with an error.
   static Result<std::unique_ptr<LibcameraCamera>> open(const std::string& id, const CameraOptions& options,
-                                                       std::function<void(const LibcameraFrame&)> on_frame);
+                                                       std::function<void(const LibcameraFrame&)> on_frame,
+                                                       OpenTrouble& trouble);
   ~LibcameraCamera();
   LibcameraCamera(const LibcameraCamera&) = delete;
   LibcameraCamera& operator=(const LibcameraCamera&) = delete;
@@ -39,6 +40,8 @@ class LibcameraCamera {
   int height() const { return height_; }
   std::uint32_t fourcc() const { return fourcc_; }
   Result<void> start();
+  // Why something was refused just now: whether it is still there.
+  OpenTrouble trouble() const;
   bool lost() const { return lost_; }
   std::int64_t last_frame_mono_ns() const { return last_frame_mono_ns_; }
   // What the sensor's last frame was taken with; 0 = not told.

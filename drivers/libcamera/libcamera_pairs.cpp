@@ -20,16 +20,17 @@ constexpr std::int64_t kSilentNs = 3'000'000'000;
 
 }  // namespace
 
-Result<std::unique_ptr<LibcameraCamera>> LibcameraPairs::open_eye(Eye eye) {
+Result<std::unique_ptr<LibcameraCamera>> LibcameraPairs::open_eye(Eye eye, OpenTrouble& trouble) {
   const std::string& id = eye == Eye::left ? options_.left : options_.right;
-  return LibcameraCamera::open(id, options_, [this, eye](const LibcameraFrame& frame) { hand_on(eye, frame); });
+  return LibcameraCamera::open(
+      id, options_, [this, eye](const LibcameraFrame& frame) { hand_on(eye, frame); }, trouble);
 }
 
-Result<std::unique_ptr<LibcameraPairs>> LibcameraPairs::open(const CameraOptions& options) {
+Result<std::unique_ptr<LibcameraPairs>> LibcameraPairs::open(const CameraOptions& options, OpenTrouble& trouble) {
   std::unique_ptr<LibcameraPairs> out(new LibcameraPairs(options));
   const std::size_t eyes = options.layout == EyeLayout::two_cameras ? 2 : 1;
   for (std::size_t i = 0; i < eyes; ++i) {
-    auto camera = out->open_eye(i == 0 ? Eye::left : Eye::right);
+    auto camera = out->open_eye(i == 0 ? Eye::left : Eye::right, trouble);
     if (!camera) return camera.error();
     out->cameras_[i] = std::move(*camera);
   }
@@ -49,7 +50,10 @@ Result<std::unique_ptr<LibcameraPairs>> LibcameraPairs::open(const CameraOptions
   sync.stamped_on_arrival = true;
   out->pairs_ = std::make_unique<LivePairs>(sync, out->width_, out->height_);
   for (std::size_t i = 0; i < eyes; ++i) {
-    if (auto ok = out->cameras_[i]->start(); !ok) return ok.error();
+    if (auto ok = out->cameras_[i]->start(); !ok) {
+      trouble = out->cameras_[i]->trouble();
+      return ok.error();
+    }
   }
   out->watcher_ = std::thread([self = out.get()] {
     keep_going(
@@ -102,7 +106,8 @@ void LibcameraPairs::watch() {
         pause_ns[i] = kFirstRetryNs;
       }
       if (now_ns < next_try_ns[i]) continue;
-      auto opened = open_eye(eye);
+      OpenTrouble ignored = OpenTrouble::lasting;  // whatever it is, it is tried again
+      auto opened = open_eye(eye, ignored);
       const bool fits = opened.ok() && (*opened)->height() == height_ && (*opened)->fourcc() == fourcc_ &&
                         eye_width(options_.layout, fourcc_, (*opened)->width()) == width_;
       if (fits && (*opened)->start().ok()) {

@@ -15,7 +15,7 @@ namespace cliquevo::drivers {
 
 class LibcameraPairs {
  public:
-  static Result<std::unique_ptr<LibcameraPairs>> open(const CameraOptions& options);
+  static Result<std::unique_ptr<LibcameraPairs>> open(const CameraOptions& options, OpenTrouble& trouble);
   ~LibcameraPairs();
   LibcameraPairs(const LibcameraPairs&) = delete;
   LibcameraPairs& operator=(const LibcameraPairs&) = delete;
@@ -29,7 +29,7 @@ class LibcameraPairs {
 
  private:
   explicit LibcameraPairs(const CameraOptions& options) : options_(options) {}
-  Result<std::unique_ptr<LibcameraCamera>> open_eye(Eye eye);
+  Result<std::unique_ptr<LibcameraCamera>> open_eye(Eye eye, OpenTrouble& trouble);
   void hand_on(Eye eye, const LibcameraFrame& frame);
   void watch();
 

@@ -5,8 +5,8 @@
 
 namespace cliquevo::drivers {
 
-Result<std::unique_ptr<FrameSource>> open_libcamera(const CameraOptions& options) {
-  return open_pairs_source<LibcameraPairs>(options, "libcamera");
+Result<std::unique_ptr<FrameSource>> open_libcamera(const CameraOptions& options, OpenTrouble& trouble) {
+  return open_pairs_source<LibcameraPairs>(options, "libcamera", trouble);
 }
 
 }  // namespace cliquevo::drivers

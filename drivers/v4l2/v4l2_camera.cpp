@@ -25,6 +25,7 @@ namespace cliquevo::drivers {
 namespace {
 
 constexpr std::uint32_t kBuffers = 6;
+constexpr std::int64_t kYoungNs = 10'000'000'000;  // a node of this age may still be root's alone: udev is about to act
 
 int control_device(int descriptor, unsigned long request, void* argument) {
   int result = 0;
@@ -60,6 +61,13 @@ std::string plain_name(const char* name) {
   return out;
 }
 
+bool is_young(const std::string& path) {
+  struct stat status = {};
+  if (::stat(path.c_str(), &status) != 0) return true;  // gone again
+  const std::int64_t changed_ns = std::int64_t{status.st_ctim.tv_sec} * 1'000'000'000 + status.st_ctim.tv_nsec;
+  return std::abs(now_ns(CLOCK_REALTIME) - changed_ns) < kYoungNs;
+}
+
 Error cannot_open(const std::string& path) {
   if (errno == EACCES || errno == EPERM) {
     const std::string group = group_of(path);
@@ -72,6 +80,24 @@ Error cannot_open(const std::string& path) {
 }
 
 }  // namespace
+
+OpenTrouble trouble_of(int error_number) {
+  switch (error_number) {
+    case EBUSY:
+      return OpenTrouble::held;
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+    case EIO:
+    case EPIPE:
+    case EPROTO:
+    case ETIMEDOUT:
+    case ESHUTDOWN:
+      return OpenTrouble::absent;
+    default:
+      return OpenTrouble::lasting;
+  }
+}
 
 std::vector<std::uint32_t> v4l2_formats(int descriptor) {
   std::vector<std::uint32_t> out;
@@ -102,29 +128,46 @@ V4l2Camera::~V4l2Camera() {
 }
 
 Error V4l2Camera::refused(const std::string& what) const {
+  trouble_ = trouble_of(errno);
   if (errno == EBUSY) return {"camera is busy", path_, "another program holds it: end that one"};
   return {fmt::format("camera refuses {}", what), path_, std::strerror(errno)};
 }
 
-Result<V4l2Camera> V4l2Camera::open(const std::string& path, const CameraOptions& options, bool follows) {
+Result<V4l2Camera> V4l2Camera::open(const std::string& path, const CameraOptions& options, bool follows,
+                                    OpenTrouble& trouble) {
+  trouble = OpenTrouble::lasting;
   V4l2Camera out;
   out.path_ = path;
   out.descriptor_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
-  if (out.descriptor_ < 0) return cannot_open(path);
+  if (out.descriptor_ < 0) {
+    const int why = errno;
+    trouble = trouble_of(why);
+    if ((why == EACCES || why == EPERM) && is_young(path)) trouble = OpenTrouble::absent;
+    errno = why;
+    return cannot_open(path);
+  }
+  if (auto ok = out.set_up(options, follows); !ok) {
+    trouble = out.trouble_;
+    return ok.error();
+  }
+  return out;
+}
+
+Result<void> V4l2Camera::set_up(const CameraOptions& options, bool follows) {
   v4l2_capability capability = {};
-  if (control_device(out.descriptor_, VIDIOC_QUERYCAP, &capability) != 0) {
-    return Error{"no camera", path, "name a device of Video4Linux (`cliquevo cameras` lists them)"};
+  if (control_device(descriptor_, VIDIOC_QUERYCAP, &capability) != 0) {
+    trouble_ = trouble_of(errno);
+    return Error{"no camera", path_, "name a device of Video4Linux (`cliquevo cameras` lists them)"};
   }
   const std::uint32_t can =
       (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
   if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0 || (can & V4L2_CAP_STREAMING) == 0) {
-    return Error{"device captures no video", path, "name another of its nodes (`cliquevo cameras` lists them)"};
+    return Error{"device captures no video", path_, "name another of its nodes (`cliquevo cameras` lists them)"};
   }
-  if (auto ok = out.choose_format(options); !ok) return ok.error();
-  if (auto ok = out.set_rate(options.rate_hz); !ok) return ok.error();
-  if (auto ok = out.set_controls(options, follows); !ok) return ok.error();
-  if (auto ok = out.map_buffers(); !ok) return ok.error();
-  return out;
+  if (auto ok = choose_format(options); !ok) return ok;
+  if (auto ok = set_rate(options.rate_hz); !ok) return ok;
+  if (auto ok = set_controls(options, follows); !ok) return ok;
+  return map_buffers();
 }
 
 Result<void> V4l2Camera::choose_format(const CameraOptions& options) {

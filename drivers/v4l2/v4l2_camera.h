@@ -32,7 +32,9 @@ struct V4l2Frame {
 class V4l2Camera {
  public:
   // follows: its own exposure control stays off; it takes what the other eye found.
-  static Result<V4l2Camera> open(const std::string& path, const CameraOptions& options, bool follows);
+  // trouble: told with an error.
+  static Result<V4l2Camera> open(const std::string& path, const CameraOptions& options, bool follows,
+                                 OpenTrouble& trouble);
   V4l2Camera(V4l2Camera&& other) noexcept;
   V4l2Camera& operator=(V4l2Camera&&) = delete;
   ~V4l2Camera();
@@ -51,6 +53,7 @@ class V4l2Camera {
  private:
   V4l2Camera() = default;
   Error refused(const std::string& what) const;
+  Result<void> set_up(const CameraOptions& options, bool follows);
   Result<void> choose_format(const CameraOptions& options);
   Result<void> set_rate(double rate_hz) const;
   Result<void> set_controls(const CameraOptions& options, bool follows);
@@ -70,8 +73,13 @@ class V4l2Camera {
   std::uint32_t fourcc_ = 0;
   std::vector<Mapped> buffers_;
   std::optional<std::uint32_t> taken_;
-  std::int64_t exposure_ns_ = 0;  // 0 = not known
+  std::int64_t exposure_ns_ = 0;                        // 0 = not known
+  mutable OpenTrouble trouble_ = OpenTrouble::lasting;  // of the last refusal
 };
+
+// What a failed system call on a camera's node means for who would wait: EBUSY that it is held, ENODEV and the like
+// that it is not there or falling off its bus.
+OpenTrouble trouble_of(int error_number);
 
 // The formats that a device offers.
 std::vector<std::uint32_t> v4l2_formats(int descriptor);

@@ -24,13 +24,13 @@ constexpr std::int64_t kFollowNs = 500'000'000;
 
 }  // namespace
 
-Result<std::unique_ptr<V4l2Pairs>> V4l2Pairs::open(const CameraOptions& options) {
+Result<std::unique_ptr<V4l2Pairs>> V4l2Pairs::open(const CameraOptions& options, OpenTrouble& trouble) {
   std::vector<V4l2Camera> cameras;
-  auto left = V4l2Camera::open(options.left, options, false);
+  auto left = V4l2Camera::open(options.left, options, false, trouble);
   if (!left) return left.error();
   cameras.push_back(std::move(*left));
   if (options.layout == EyeLayout::two_cameras) {
-    auto right = V4l2Camera::open(options.right, options, true);
+    auto right = V4l2Camera::open(options.right, options, true, trouble);
     if (!right) return right.error();
     cameras.push_back(std::move(*right));
     const V4l2Camera& l = cameras[0];
@@ -85,7 +85,9 @@ void V4l2Pairs::run(Eye eye, V4l2Camera first) {
   milliseconds pause = kFirstRetry;
   while (!stop_) {
     pairs_.set_state(eye, "reconnecting");
-    auto opened = V4l2Camera::open(eye == Eye::left ? options_.left : options_.right, options_, eye == Eye::right);
+    OpenTrouble ignored = OpenTrouble::lasting;  // whatever it is, there is nothing else to do than to try again
+    auto opened =
+        V4l2Camera::open(eye == Eye::left ? options_.left : options_.right, options_, eye == Eye::right, ignored);
     const bool fits = opened.ok() && opened->height() == height_ &&
                       eye_width(options_.layout, opened->fourcc(), opened->width()) == width_;
     if (fits && stream(eye, *opened)) pause = kFirstRetry;

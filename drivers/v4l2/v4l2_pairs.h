@@ -19,8 +19,8 @@ namespace cliquevo::drivers {
 
 class V4l2Pairs {
  public:
-  // Opens what the options name.
-  static Result<std::unique_ptr<V4l2Pairs>> open(const CameraOptions& options);
+  // Opens what the options name. trouble: told with an error.
+  static Result<std::unique_ptr<V4l2Pairs>> open(const CameraOptions& options, OpenTrouble& trouble);
   ~V4l2Pairs();
   V4l2Pairs(const V4l2Pairs&) = delete;
   V4l2Pairs& operator=(const V4l2Pairs&) = delete;

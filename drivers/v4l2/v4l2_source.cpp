@@ -5,8 +5,8 @@
 
 namespace cliquevo::drivers {
 
-Result<std::unique_ptr<FrameSource>> open_v4l2(const CameraOptions& options) {
-  return open_pairs_source<V4l2Pairs>(options, "V4L2");
+Result<std::unique_ptr<FrameSource>> open_v4l2(const CameraOptions& options, OpenTrouble& trouble) {
+  return open_pairs_source<V4l2Pairs>(options, "V4L2", trouble);
 }
 
 }  // namespace cliquevo::drivers

@@ -115,7 +115,8 @@ drivers::CameraOptions camera_options(const Course& course, double rate_hz) {
 std::unique_ptr<drivers::FrameSource> open(const drivers::CameraOptions& options) {
   const auto give_up = steady_clock::now() + std::chrono::seconds(60);
   for (;;) {
-    auto source = drivers::open_aravis(options);
+    drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
+    auto source = drivers::open_aravis(options, ignored);
     if (source.ok()) return std::move(*source);
     if (steady_clock::now() > give_up) {
       ADD_FAILURE() << source.error().line();
@@ -257,8 +258,9 @@ Setting setting_of(const std::string& name, drivers::CameraOptions options) {
   options.exposure_us.reset();
   options.gain.reset();
   const auto give_up = steady_clock::now() + std::chrono::seconds(20);
-  for (bool busy = true; busy && steady_clock::now() < give_up;) {
-    auto camera = drivers::AravisCamera::open(name, options, true, busy);
+  for (auto trouble = drivers::OpenTrouble::held;
+       trouble != drivers::OpenTrouble::lasting && steady_clock::now() < give_up;) {
+    auto camera = drivers::AravisCamera::open(name, options, true, trouble);
     if (camera.ok()) return {camera->exposure_us().value_or(0.0), camera->gain().value_or(0.0)};
   }
   ADD_FAILURE() << name << " does not answer";
@@ -277,8 +279,8 @@ TEST(AravisHil, TheRightEyeTakesOverWhatTheLeftOnesControlFound) {
       drivers::CameraOptions left = options;
       left.exposure_us = exposure_us;
       left.gain = 3.0;
-      bool busy = false;
-      EXPECT_TRUE(drivers::AravisCamera::open("HIL-LEFT", left, false, busy).ok());
+      drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
+      EXPECT_TRUE(drivers::AravisCamera::open("HIL-LEFT", left, false, ignored).ok());
     };
     left_control();
     EXPECT_NE(setting_of("HIL-RIGHT", options).exposure_us, exposure_us);
@@ -409,8 +411,10 @@ TEST(AravisHil, WhatCannotBeOpenedIsToldInOneLine) {
   EXPECT_NE(refusal(daemon_config(course, dir)).find("busy"), std::string::npos);
   drivers::CameraOptions options = camera_options(course, 10.0);
   options.left = "NOT-THERE";
-  const auto unknown = drivers::open_aravis(options);
+  drivers::OpenTrouble trouble = drivers::OpenTrouble::lasting;
+  const auto unknown = drivers::open_aravis(options, trouble);
   ASSERT_FALSE(unknown.ok());
+  EXPECT_EQ(trouble, drivers::OpenTrouble::absent);
   EXPECT_NE(unknown.error().line().find("HIL-LEFT (127.0.0.1), HIL-RIGHT (127.0.0.2)"), std::string::npos)
       << unknown.error().line();
 }
@@ -422,8 +426,10 @@ TEST(AravisHil, FormatsAndSizesThatDoNotFitAreToldInOneLine) {
   open(camera_options(course, 10.0));
   drivers::CameraOptions options = camera_options(course, 10.0);
   options.pixel_format = "BayerXY8";
-  const auto format = drivers::open_aravis(options);
+  drivers::OpenTrouble trouble = drivers::OpenTrouble::absent;
+  const auto format = drivers::open_aravis(options, trouble);
   ASSERT_FALSE(format.ok());
+  EXPECT_EQ(trouble, drivers::OpenTrouble::lasting);
   EXPECT_NE(format.error().line().find(", Mono8,"), std::string::npos) << format.error().line();
   // A second rig of another size: one eye of each.
   test::Subprocess other({test::binary("cliquevo"), "hil",
@@ -435,7 +441,7 @@ TEST(AravisHil, FormatsAndSizesThatDoNotFitAreToldInOneLine) {
   options.right = "127.0.0.4";
   std::string line;
   for (int i = 0; i < 30 && line.find("unequal") == std::string::npos; ++i) {
-    const auto unequal = drivers::open_aravis(options);
+    const auto unequal = drivers::open_aravis(options, trouble);
     ASSERT_FALSE(unequal.ok());
     line = unequal.error().line();
   }

@@ -7,12 +7,14 @@
 #include <string>
 #include <unistd.h>
 
+#include "drivers/camera_options.h"
 #include "drivers/frame_source.h"
 #include "tests/vm/made_up_yuyv.h"
 
 namespace cliquevo::test {
 
 inline int failures = 0;
+inline drivers::OpenTrouble trouble = drivers::OpenTrouble::lasting;  // of the last one that did not open
 
 inline void check(bool ok, const std::string& what) {
   std::printf("%s %s\n", ok ? "ok  " : "FAIL", what.c_str());

@@ -20,6 +20,7 @@ using test::failures;
 using test::plug_in;
 using test::Seen;
 using test::take_true_pairs;
+using test::trouble;
 
 }  // namespace
 
@@ -45,16 +46,18 @@ int main() {
   {
     drivers::CameraOptions wrong = options;
     wrong.left = "nowhere";
-    const auto missing = LibcameraPairs::open(wrong);
-    check(!missing.ok() && missing.error().line().find(options.left) != std::string::npos,
+    const auto missing = LibcameraPairs::open(wrong, trouble);
+    check(!missing.ok() && trouble == drivers::OpenTrouble::absent &&
+              missing.error().line().find(options.left) != std::string::npos,
           "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
     wrong = options;
     wrong.pixel_format = "NV16";
-    const auto refused = LibcameraPairs::open(wrong);
-    check(!refused.ok() && refused.error().line().find("it offers YUYV") != std::string::npos,
+    const auto refused = LibcameraPairs::open(wrong, trouble);
+    check(!refused.ok() && trouble == drivers::OpenTrouble::lasting &&
+              refused.error().line().find("it offers YUYV") != std::string::npos,
           "a format that is not offered: " + (refused.ok() ? std::string("taken") : refused.error().line()));
   }
-  auto pairs = LibcameraPairs::open(options);
+  auto pairs = LibcameraPairs::open(options, trouble);
   check(pairs.ok(), "they open" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
   if (!pairs.ok()) return 1;
   const Seen first = take_true_pairs(**pairs, 20);

@@ -25,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using namespace cliquevo;
 using drivers::CameraOptions;
+using drivers::OpenTrouble;
 using drivers::StereoPair;
 using drivers::V4l2Pairs;
 using test::check;
@@ -32,6 +33,7 @@ using test::failures;
 using test::plug_in;
 using test::Seen;
 using test::take_true_pairs;
+using test::trouble;
 
 // The capture devices whose driver has this name, by bus: in the order of their ports.
 std::map<std::string, std::string> devices_of(const std::string& driver) {
@@ -102,29 +104,31 @@ void uvc_pair() {
   {
     CameraOptions wrong = options_for(10.0);
     wrong.pixel_format = "MJPG";
-    const auto refused = V4l2Pairs::open(wrong);
-    check(!refused.ok() && refused.error().line().find("it offers YUYV") != std::string::npos,
+    const auto refused = V4l2Pairs::open(wrong, trouble);
+    check(!refused.ok() && trouble == OpenTrouble::lasting &&
+              refused.error().line().find("it offers YUYV") != std::string::npos,
           "a format that is not offered: " + (refused.ok() ? std::string("taken") : refused.error().line()));
     wrong = options_for(10.0);
     wrong.left = "/dev/video77";
-    const auto missing = V4l2Pairs::open(wrong);
-    check(!missing.ok(), "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
+    const auto missing = V4l2Pairs::open(wrong, trouble);
+    check(!missing.ok() && trouble == OpenTrouble::absent,
+          "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
   }
   std::ofstream("/etc/group") << "root:x:0:\nvideo:x:44:\n";
   for (const char* eye : {"/dev/eye-left", "/dev/eye-right"}) {  // as udev does it
     check(::chown(eye, 0, 44) == 0 && ::chmod(eye, 0660) == 0, "the node is the group's");
   }
   check(as_nobody([] {
-          const auto refused = V4l2Pairs::open(options_for(10.0));
+          const auto refused = V4l2Pairs::open(options_for(10.0), trouble);
           return !refused.ok() && refused.error().line().find("adduser USER video") != std::string::npos;
         }),
         "who has no right to them is told the group");
-  auto pairs = V4l2Pairs::open(options_for(10.0));
+  auto pairs = V4l2Pairs::open(options_for(10.0), trouble);
   check(pairs.ok(), "they open" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
   if (!pairs.ok()) return;
   {
-    const auto busy = V4l2Pairs::open(options_for(10.0));
-    check(!busy.ok() && busy.error().line().find("busy") != std::string::npos,
+    const auto busy = V4l2Pairs::open(options_for(10.0), trouble);
+    check(!busy.ok() && trouble == OpenTrouble::held && busy.error().line().find("busy") != std::string::npos,
           "a second program finds them busy: " + (busy.ok() ? std::string("opened") : busy.error().line()));
   }
   const Seen first = take_true_pairs(**pairs, 20);
@@ -197,7 +201,7 @@ void vivid_controls() {
   options.height = 180;
   options.controls = "brightness=77,saturation=50";
   {
-    auto pairs = V4l2Pairs::open(options);
+    auto pairs = V4l2Pairs::open(options, trouble);
     check(pairs.ok(), "two of them open" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
     if (!pairs.ok()) return;
     for (const std::string& eye : {left, right}) {
@@ -221,7 +225,7 @@ void vivid_controls() {
                                              " of " + std::to_string(changes) + " times");
   }
   options.controls = "no_such_thing=1";
-  const auto refused = V4l2Pairs::open(options);
+  const auto refused = V4l2Pairs::open(options, trouble);
   check(!refused.ok() && refused.error().line().find("brightness") != std::string::npos,
         "an unknown control is refused, with those there are: " +
             (refused.ok() ? std::string() : refused.error().line()));
@@ -234,7 +238,7 @@ void vivid_faults() {
   options.pixel_format = "GREY";
   options.width = 320;
   options.height = 360;
-  auto pairs = V4l2Pairs::open(options);
+  auto pairs = V4l2Pairs::open(options, trouble);
   check(pairs.ok(), "it opens" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
   if (!pairs.ok()) return;
   check((*pairs)->width() == 320, "an eye is half of the image");

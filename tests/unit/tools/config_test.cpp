@@ -76,8 +76,10 @@ TEST(Config, TheShippedFileHoldsEveryKeyWithItsCompiledDefault) {
   }
 }
 
-TEST(Config, EveryParameterOfStereoAndOdometryHasAKey) {
+TEST(Config, EveryParameterOfRectificationStereoAndOdometryHasAKey) {
   EXPECT_EQ(count_keys("stereo"), count_fields<stereo::StereoParams>())
+      << "a field without a line in daemon/config_keys.h and config/cliquevo.yaml";
+  EXPECT_EQ(count_keys("rectify"), count_fields<stereo::RectifyParams>())
       << "a field without a line in daemon/config_keys.h and config/cliquevo.yaml";
   EXPECT_EQ(count_keys("odometry"), count_fields<vo::VoParams>())
       << "a field without a line in daemon/config_keys.h and config/cliquevo.yaml";
