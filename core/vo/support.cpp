@@ -25,8 +25,8 @@ constexpr float kSeenByBoth = 0.7F;
 constexpr float kAlike = 0.7F;   // ... with the patch of the other frame, as a share of that: agrees ...
 constexpr float kUnlike = 0.5F;  // ... or contradicts
 // A pattern that repeats itself (railings, bricks) is found in several places, in space and in depth: patches that
-// correlate so well with their own surroundings prove nothing.
-constexpr float kRepeated = 0.7F;
+// correlate nearly as well with their own surroundings as with the other camera's view of them prove nothing.
+constexpr float kRepeated = 0.9F;
 constexpr double kNearSelf = 0.5;     // of the patch's side: nearer, every patch resembles itself
 constexpr double kRepeatReach = 3.0;  // sides of the patch along the row, where stereo matching looks
 
@@ -130,28 +130,30 @@ Support::Vote Support::test_patch(const Feature& f, const Frame& reference, cons
   if (both.correlation < kSeenByBoth) return Vote::none;
   if (moved.correlation > kAlike * both.correlation) return Vote::agrees;
   if (moved.correlation >= kUnlike * both.correlation) return Vote::none;
-  return unique(t, f, reference, expected.u - f.x, expected.v - f.y) ? Vote::contradicts : Vote::none;
+  const bool unique = !repeated(t, f, reference, kRepeated * both.correlation, expected.u - f.x, expected.v - f.y);
+  return unique ? Vote::contradicts : Vote::none;
 }
 
-// Whether the patch is seen only once: along its row, where a wrong depth would come from, and along the way (du, dv)
-// that it would have moved.
-bool Support::unique(const Template& t, const Feature& f, const Frame& reference, double du, double dv) const {
+// Whether the patch is seen again nearby, with at least this correlation: along its row, where a wrong depth would come
+// from, or along the way (du, dv) that it would have moved.
+bool Support::repeated(const Template& t, const Feature& f, const Frame& reference, float correlation, double du,
+                       double dv) const {
   PatchParams once = patch_;
   once.iterations = 1;  // only the correlation there
   const double side = 2.0 * kWitnessRadius + 1.0;
-  const auto repeated_along = [&](double dx, double dy, double length) {
+  const auto along = [&](double dx, double dy, double length) {
     for (double at = kNearSelf * side; at <= length; at += 1.0) {
       for (const double way : {at, -at}) {
         const PatchFit there = fit_patch(t, reference.left.cview(), static_cast<float>(f.x + way * dx),
                                          static_cast<float>(f.y + way * dy), {}, Freedom::both, once);
-        if (there.correlation > kRepeated) return true;
+        if (there.correlation > correlation) return true;
       }
     }
     return false;
   };
-  if (repeated_along(1.0, 0.0, kRepeatReach * side)) return false;
+  if (along(1.0, 0.0, kRepeatReach * side)) return true;
   const double moved = std::hypot(du, dv);
-  return !(moved > kNearSelf * side) || !repeated_along(du / moved, dv / moved, moved + 0.5 * side);
+  return moved > kNearSelf * side && along(du / moved, dv / moved, moved + 0.5 * side);
 }
 
 CellVotes Support::count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,

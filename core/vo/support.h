@@ -41,7 +41,8 @@ class Support {
   Vote test_patch(const Feature& place, const Frame& reference, const Frame& current,
                   ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref,
                   const ViewErrors& errors) const;
-  bool unique(const Template& patch, const Feature& place, const Frame& reference, double du, double dv) const;
+  bool repeated(const Template& patch, const Feature& place, const Frame& reference, float correlation, double du,
+                double dv) const;
   std::size_t cell_of(int x, int y) const {
     return static_cast<std::size_t>(y / side_px_) * static_cast<std::size_t>(across_) +
            static_cast<std::size_t>(x / side_px_);
