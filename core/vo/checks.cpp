@@ -36,10 +36,10 @@ double median_of_inliers(const std::vector<Observation>& observations, std::vect
 
 // Ground that runs, seen near and far at once, does not fit one motion with the disparities as they are known: the
 // residuals ask for an error common to all of them, which should be known by now. 1 (no news) to 3.
-double news_of_disparities(const Motion& motion, const CameraNoise& noise) {
+double news_of_disparities(const Motion& motion, double shift_sigma_px) {
   if (!(motion.offset_information > 0.0) || std::abs(motion.offset_px) > kMostRunning_px) return 1.0;
-  const double known = noise.shift_sigma_px();
-  const double variance = kOffsetNoise_px * kOffsetNoise_px + known * known + 1.0 / motion.offset_information;
+  const double variance =
+      kOffsetNoise_px * kOffsetNoise_px + shift_sigma_px * shift_sigma_px + 1.0 / motion.offset_information;
   return std::min(kMostNews, 1.0 + motion.offset_px * motion.offset_px / variance);
 }
 
@@ -74,7 +74,7 @@ Evidence check_running_ground(const Findings& f, const CameraNoise& noise, const
       median_of_inliers(f.observations, scratch, [](const Observation& o) { return o.difference; });
   const double excess = (change - difference) / std::max(kLeastDifference, std::min(change, difference));
   const double scatter = f.motion.error_px / noise.expected_error_px();
-  return {std::max(0.0, excess) * scatter * news_of_disparities(f.motion, noise),
+  return {std::max(0.0, excess) * scatter * news_of_disparities(f.motion, f.shift_sigma_px),
           caution.bound_scale() * params.max_running_ground, true};
 }
 

@@ -21,8 +21,9 @@ struct Findings {
   const std::vector<Observation>& observations;  // judged by the solver
   const std::vector<RigidTransform>& T_prev_ref;
   const StereoModel& model;
-  int reference_features = 0;  // that could have been found
-  double covered = 1.0;        // share of the picture from which inliers come, of what is enough; 0 to 1
+  int reference_features = 0;   // that could have been found
+  double shift_sigma_px = 0.0;  // width of the prior of the frame's common disparity error, as solved with
+  double covered = 1.0;         // share of the picture from which inliers come, of what is enough; 0 to 1
 };
 
 // Enough inliers to fix a motion at all: their inverse share of the bound.

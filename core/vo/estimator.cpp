@@ -239,7 +239,8 @@ void Estimator::refine(const FramePair& pair, PatchSize patches, Comparison& out
 }
 
 Findings Estimator::findings(const FramePair& pair, const Comparison& out) const {
-  return {out.motion, observations_, references_, model_, static_cast<int>(pair.reference.features.size()), covered_};
+  return {out.motion,      observations_, references_, model_, static_cast<int>(pair.reference.features.size()),
+          shift_sigma_px_, covered_};
 }
 
 // A6, the rest: what the picture as a whole says of a motion on which the inliers agree, and how well it is known.

@@ -28,7 +28,7 @@ struct Seen {
     motion.inliers = count;
     motion.error_px = 0.1;
   }
-  Findings findings() const { return {motion, observations, references, kModel, 100, covered}; }
+  Findings findings() const { return {motion, observations, references, kModel, 100, 0.0, covered}; }
 
   std::vector<RigidTransform> references;
   std::vector<Observation> observations;
