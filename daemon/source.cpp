@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "drivers/eye_watch.h"
 #include "drivers/recording.h"
 #ifdef CLIQUEVO_ARAVIS
 #include "drivers/aravis.h"
@@ -115,7 +116,9 @@ Result<std::unique_ptr<FrameSource>> make_pingpong(std::unique_ptr<FrameSource> 
   return std::unique_ptr<FrameSource>(std::make_unique<PingPong>(std::move(source), std::move(frames)));
 }
 
-Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config) {
+namespace {
+
+Result<std::unique_ptr<FrameSource>> open_family(const SourceConfig& config) {
   const bool pingpong = config.loop == "pingpong";
   if (config.type == "recording") {
     drivers::RecordingOptions options = config.recording;
@@ -139,6 +142,14 @@ Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config) {
 #endif
   return Error{"source is not in this build", "source.type = " + config.type,
                "build where its library is found (`cliquevod --version` lists what is in)"};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config) {
+  auto source = open_family(config);
+  if (!source || (config.type == "simulator" && !config.swap_eyes)) return source;
+  return drivers::watch_eyes(std::move(*source), config.swap_eyes);
 }
 
 }  // namespace cliquevo::daemon

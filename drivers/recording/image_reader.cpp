@@ -91,8 +91,13 @@ bool image_is_whole(const std::uint8_t* bytes, std::size_t size) {
 
 Result<void> ImageReader::read(const std::string& path, Image<std::uint8_t>& image) {
   if (Result<void> loaded = load(path, bytes_); !loaded) return loaded;
+  return decode(bytes_.data(), bytes_.size(), path, image);
+}
+
+Result<void> ImageReader::decode(const std::uint8_t* bytes, std::size_t size, const std::string& path,
+                                 Image<std::uint8_t>& image) {
   // Before decoding: the decoders print lines of their own about torn files.
-  if (!image_is_whole(bytes_.data(), bytes_.size())) {
+  if (!image_is_whole(bytes, size)) {
     return Error{"cannot read image", path, "copy the recording again: the file is torn"};
   }
   // Straight into our memory when the size is the one it already has (the rule in a sequence).
@@ -105,7 +110,8 @@ Result<void> ImageReader::read(const std::string& path, Image<std::uint8_t>& ima
   cv::Mat decoded;
   try {
     // As grabbed: a stored orientation must not turn the picture under the calibration.
-    decoded = cv::imdecode(bytes_, cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION, &target);
+    decoded = cv::imdecode(cv::Mat(1, static_cast<int>(size), CV_8UC1, const_cast<std::uint8_t*>(bytes)),
+                           cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION, &target);
   } catch (const std::exception&) {
     decoded.release();
   }
