@@ -24,18 +24,24 @@ class OrderOfEyes {
   }
 
   bool wants(std::int64_t number) const { return check_.wants(number); }
+  // Each order with the rectification that belongs to it: exchanged images fit that of the other eye.
   stereo::EyeOrder look(const StereoPair& pair) {
-    using stereo::Eye;
-    const bool rectified = rectifier_.rectify(Eye::left, pair.left.cview(), left_.view()).ok() &&
-                           rectifier_.rectify(Eye::right, pair.right.cview(), right_.view()).ok();
-    if (!rectified) return check_.order();
-    stereo::OrderEvidence seen = check_.measure(left_.cview(), right_.cview());
+    stereo::OrderEvidence seen;
+    seen.forward = matched(pair.left, pair.right);
+    seen.backward = matched(pair.right, pair.left);
     seen.identical = stereo::are_identical(pair.left.cview(), pair.right.cview());
     check_.add(seen);
     return check_.order();
   }
 
  private:
+  double matched(const Image<std::uint8_t>& left, const Image<std::uint8_t>& right) {
+    using stereo::Eye;
+    const bool rectified = rectifier_.rectify(Eye::left, left.cview(), left_.view()).ok() &&
+                           rectifier_.rectify(Eye::right, right.cview(), right_.view()).ok();
+    return rectified ? check_.measure_forward(left_.cview(), right_.cview()) : 0.0;
+  }
+
   OrderOfEyes(stereo::Rectifier rectifier, stereo::EyeOrderCheck check)
       : rectifier_(std::move(rectifier)), check_(std::move(check)) {
     left_.resize(rectifier_.model().width, rectifier_.model().height);

@@ -121,6 +121,13 @@ OrderEvidence EyeOrderCheck::measure(ImageView<const std::uint8_t> left, ImageVi
   return out;
 }
 
+double EyeOrderCheck::measure_forward(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) {
+  if (left.empty() || !left.same_size(width_, height_) || !right.same_size(width_, height_)) return 0.0;
+  reduce(left, left_);
+  reduce(right, right_);
+  return matched_share(left_.cview(), right_.cview());
+}
+
 bool EyeOrderCheck::add(const OrderEvidence& seen) {
   ++pairs_;
   identical_ += seen.identical ? 1 : 0;

@@ -35,6 +35,8 @@ class EyeOrderCheck {
   // Best on rectified images; a few rows of error do no harm. Images of another size, or a scene without contrast:
   // no evidence.
   OrderEvidence measure(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right);
+  // The first of these alone: as left and right.
+  double measure_forward(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right);
   // Into the account; true: the pair changed what order() says.
   bool add(const OrderEvidence& seen);
   EyeOrder order() const { return order_; }
