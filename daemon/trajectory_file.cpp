@@ -74,6 +74,14 @@ bool parse_number(std::string_view word, double& value) {
   return failed == std::errc{} && end == word.data() + word.size() && std::isfinite(value);
 }
 
+// A word for a message, whatever is in it.
+std::string shown(std::string_view word) {
+  constexpr std::size_t kMost = 32;
+  std::string out(word.substr(0, kMost));
+  for (char& c : out) c = c >= 32 && c < 127 ? c : '?';
+  return word.size() > kMost ? out + "..." : out;
+}
+
 Error bad_line(const std::string& path, int line, std::string remedy) {
   return {"cannot read trajectory", fmt::format("{}:{}", path, line), std::move(remedy)};
 }
@@ -81,7 +89,8 @@ Error bad_line(const std::string& path, int line, std::string remedy) {
 Result<StampedPose> parse_kitti(const std::vector<std::string_view>& words, const std::string& path, int line) {
   std::array<double, kKittiNumbers> v{};
   for (std::size_t i = 0; i < v.size(); ++i) {
-    if (!parse_number(words[i], v[i])) return bad_line(path, line, fmt::format("'{}' is not a number", words[i]));
+    if (!parse_number(words[i], v[i]))
+      return bad_line(path, line, fmt::format("'{}' is not a number", shown(words[i])));
   }
   StampedPose pose;
   pose.T_world_camera.R << v[0], v[1], v[2], v[4], v[5], v[6], v[8], v[9], v[10];
@@ -101,7 +110,8 @@ Result<void> parse_all(const std::vector<std::string_view>& words, std::size_t f
   out.clear();
   for (std::size_t i = from; i < words.size(); ++i) {
     double value = 0.0;
-    if (!parse_number(words[i], value)) return bad_line(path, line, fmt::format("'{}' is not a number", words[i]));
+    if (!parse_number(words[i], value))
+      return bad_line(path, line, fmt::format("'{}' is not a number", shown(words[i])));
     out.push_back(value);
   }
   return {};
@@ -114,7 +124,7 @@ Result<StampedPose> parse_euroc(const std::vector<std::string_view>& words, cons
   const auto [end, failed] = std::from_chars(stamp.data(), stamp.data() + stamp.size(), pose.stamp_ns);
   if (failed != std::errc{} || end != stamp.data() + stamp.size() ||
       std::abs(static_cast<double>(pose.stamp_ns)) > kMostSeconds * kNsPerSecond) {
-    return bad_line(path, line, fmt::format("'{}' is not a time in ns", stamp));
+    return bad_line(path, line, fmt::format("'{}' is not a time in ns", shown(stamp)));
   }
   std::vector<double> v;
   if (auto ok = parse_all({words.begin(), words.begin() + 8}, 1, path, line, v); !ok) return ok.error();
@@ -131,7 +141,7 @@ Result<StampedPose> parse_kitti360(const std::vector<std::string_view>& words, c
   StampedPose pose;
   const auto [end, failed] = std::from_chars(number.data(), number.data() + number.size(), pose.frame);
   if (failed != std::errc{} || end != number.data() + number.size() || pose.frame < 0) {
-    return bad_line(path, line, fmt::format("'{}' is not the number of a frame", number));
+    return bad_line(path, line, fmt::format("'{}' is not the number of a frame", shown(number)));
   }
   auto matrix = parse_kitti({words.begin() + 1, words.begin() + 13}, path, line);
   if (!matrix) return matrix;
@@ -157,11 +167,12 @@ RowKind kind_of(const std::vector<std::string_view>& words, bool commas) {
 Result<StampedPose> parse_tum(const std::vector<std::string_view>& words, const std::string& path, int line) {
   StampedPose pose;
   if (!parse_seconds(words[0], pose.stamp_ns)) {
-    return bad_line(path, line, fmt::format("'{}' is not a time in seconds", words[0]));
+    return bad_line(path, line, fmt::format("'{}' is not a time in seconds", shown(words[0])));
   }
   std::array<double, kTumNumbers> v{};
   for (std::size_t i = 1; i < v.size(); ++i) {
-    if (!parse_number(words[i], v[i])) return bad_line(path, line, fmt::format("'{}' is not a number", words[i]));
+    if (!parse_number(words[i], v[i]))
+      return bad_line(path, line, fmt::format("'{}' is not a number", shown(words[i])));
   }
   pose.T_world_camera.t << v[1], v[2], v[3];
   Eigen::Quaterniond q(v[7], v[4], v[5], v[6]);
