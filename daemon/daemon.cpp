@@ -329,6 +329,7 @@ int run(const DaemonOptions& options) {
   spdlog::info("{} frames: {} poses sent ({} valid), {} dropped, {} rejected", counts.grabbed, counts.published,
                output.sent.valid.load(), counts.dropped, counts.rejected);
   if (!info_live && counts.source_errors > 0) spdlog::warn("{} pairs of the recording skipped", counts.source_errors);
+  if (const std::string finding = pipeline->source_finding(); !finding.empty()) spdlog::warn(finding);
   int exit_code = kDone;
   if (output.trajectory) {
     if (const auto ok = output.trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);
