@@ -19,6 +19,7 @@ void visit_config_keys(C& c, Visitor& v) {
             {"libcamera", "libcamera"}});
   v.choice("source.loop", c.source.loop, {{"none", "none"}, {"pingpong", "pingpong"}});
   v.key("source.speed", c.source.speed);
+  v.key("source.swap_eyes", c.source.swap_eyes);
 
   auto& recording = c.source.recording;
   v.file("source.recording.path", recording.path);
@@ -28,6 +29,8 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("source.recording.last", recording.last);
   v.key("source.recording.every", recording.every);
   v.key("source.recording.pair_tolerance_s", recording.pair_tolerance_s);
+  v.key("source.recording.side_by_side", recording.side_by_side);
+  v.key("source.recording.channel", recording.channel);
   v.file("source.recording.left_mask", recording.left_mask);
   v.file("source.recording.right_mask", recording.right_mask);
   v.choice("source.recording.bayer", recording.bayer,

@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "core/base/result.h"
 #include "daemon/config.h"
 #include "drivers/frame_source.h"
@@ -22,11 +24,23 @@ struct SourceArgument {
   std::optional<std::int64_t> every;
   std::optional<double> pair_tolerance_s;
   std::optional<drivers::Bayer> bayer;
+  std::string channel;  // empty = the log's only one
+  bool side_by_side = false;
+  bool swap_eyes = false;
+
+  // Whether anything is said that is for recordings alone.
+  bool is_for_recordings() const {
+    return !calibration.empty() || rate_hz || first || last || every || pair_tolerance_s || bayer || !channel.empty() ||
+           side_by_side;
+  }
 };
 
 bool is_simulator(const std::string& source);
 // Whether SOURCE and the options beside it make sense together; an error is one of usage.
 Result<void> check_source(const SourceArgument& argument);
+
+// --channel, --side-by-side and --swap-eyes, for every command with a SOURCE.
+void add_eye_options(CLI::App& command, SourceArgument& argument);
 
 // What the command line leaves open, the configuration decides (its simulator for a bare `sim`, its calibration, masks
 // and so on for a recording).

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/recording/text_file.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -22,7 +24,49 @@ std::string quoted(std::string_view word) {
   return fmt::format("'{}{}'", printable(word.substr(0, 32)), word.size() > 32 ? "..." : "");
 }
 
+void append_utf8(std::uint32_t code, std::string& out) {
+  const auto byte = [&out](std::uint32_t value) { out += static_cast<char>(value); };
+  if (code < 0x80U) {
+    byte(code);
+  } else if (code < 0x800U) {
+    byte(0xC0U | code >> 6U), byte(0x80U | (code & 0x3FU));
+  } else if (code < 0x10000U) {
+    byte(0xE0U | code >> 12U), byte(0x80U | (code >> 6U & 0x3FU)), byte(0x80U | (code & 0x3FU));
+  } else {
+    byte(0xF0U | code >> 18U), byte(0x80U | (code >> 12U & 0x3FU)), byte(0x80U | (code >> 6U & 0x3FU));
+    byte(0x80U | (code & 0x3FU));
+  }
+}
+
 }  // namespace
+
+std::string utf8_of(std::string text) {
+  const auto byte = [&text](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
+  if (text.size() < 2 || text.size() % 2 != 0) return text;
+  bool little = byte(0) == 0xFFU && byte(1) == 0xFEU;
+  const bool big = byte(0) == 0xFEU && byte(1) == 0xFFU;
+  const bool marked = little || big;
+  if (!marked) {  // plain text whose every second byte is nothing
+    std::size_t even = 0;
+    std::size_t odd = 0;
+    for (std::size_t i = 0; i < text.size(); i += 2) even += text[i] == 0 ? 1 : 0, odd += text[i + 1] == 0 ? 1 : 0;
+    if (2 * std::max(even, odd) != text.size() || std::min(even, odd) != 0) return text;
+    little = odd > even;
+  }
+  std::string out;
+  for (std::size_t i = marked ? 2 : 0; i + 1 < text.size(); i += 2) {
+    const auto unit = [&](std::size_t at) {
+      return little ? byte(at + 1) << 8U | byte(at) : byte(at) << 8U | byte(at + 1);
+    };
+    std::uint32_t code = unit(i);
+    if (code >= 0xD800U && code < 0xDC00U && i + 3 < text.size() && unit(i + 2) >= 0xDC00U && unit(i + 2) < 0xE000U) {
+      code = 0x10000U + ((code - 0xD800U) << 10U) + (unit(i + 2) - 0xDC00U);
+      i += 2;
+    }
+    append_utf8(code, out);
+  }
+  return out;
+}
 
 Result<std::string> read_text_file(const std::string& path, const std::string& kind, std::size_t max_bytes) {
   namespace fs = std::filesystem;
@@ -42,6 +86,7 @@ Result<std::string> read_text_file(const std::string& path, const std::string& k
   if (!in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
     return Error{"cannot read " + kind, path, "check its permissions and the disk"};
   }
+  text = utf8_of(std::move(text));
   if (text.find('\0') != std::string::npos) {
     return Error{kind + " holds NUL bytes", path, "it is torn or no text: copy it again"};
   }

@@ -7,6 +7,8 @@
 
 #include "drivers/recording/calibration_common.h"
 #include "drivers/recording/stamps.h"
+#include "drivers/recording/text_file.h"
+#include "drivers/recording/times_file.h"
 
 namespace cliquevo::fuzz {
 
@@ -60,12 +62,23 @@ std::string parse_calibration_text(const std::string& name, const std::string& t
 }
 
 std::string parse_times_text(const std::string& text) {
-  const auto rows = drivers::parse_times(text, "/made/up/times.txt");
-  if (!rows.ok()) return judge(rows.error());
-  for (std::size_t i = 1; i < rows->size(); ++i) {
-    if (rows.value()[i].stamp_ns <= rows.value()[i - 1].stamp_ns) return "stamps do not rise";
+  const auto table = drivers::parse_times(drivers::utf8_of(text), "/made/up/times.txt");
+  if (!table.ok()) return judge(table.error());
+  std::vector<TimestampNs> stamps;
+  for (const drivers::StampRow& row : table->rows) {
+    if (std::abs(row.stamp_ns) > drivers::kMostStampNs) return "stamp out of bounds";
+    stamps.push_back(row.stamp_ns);
   }
-  return rows->empty() ? "no rows and no error" : "";
+  if (stamps.empty()) return "no rows and no error";
+  const auto rising = drivers::make_rising(stamps, "/made/up/times.txt");
+  if (!rising.ok()) return judge(rising.error());
+  std::optional<TimestampNs> last;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    if (rising->skipped[i]) continue;
+    if (last && rising->stamps_ns[i] <= *last) return "stamps do not rise";
+    last = rising->stamps_ns[i];
+  }
+  return {};
 }
 
 std::uint64_t next(std::uint64_t& state) {  // splitmix64
