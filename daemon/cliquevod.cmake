@@ -4,7 +4,7 @@ pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
 
 # Estimates out over LCM (replay uses it too), and the way of a frame on threads.
 add_library(cliquevo_daemon_lib STATIC
-  command_receiver.cpp effective_config.cpp health.cpp image_tap.cpp lcm_url.cpp machine.cpp messages.cpp pipeline.cpp publisher.cpp recording.cpp source.cpp
+  command_receiver.cpp effective_config.cpp first_pairs.cpp health.cpp image_tap.cpp lcm_url.cpp machine.cpp messages.cpp pipeline.cpp publisher.cpp recording.cpp source.cpp
   trajectory_sink.cpp)
 target_link_libraries(cliquevo_daemon_lib
   PUBLIC cliquevo_options cliquevo_base cliquevo_rt cliquevo_pipeline cliquevo_lcmtypes

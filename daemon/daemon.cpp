@@ -16,6 +16,7 @@
 #include "daemon/command_receiver.h"
 #include "daemon/config.h"
 #include "daemon/effective_config.h"
+#include "daemon/first_pairs.h"
 #include "daemon/health.h"
 #include "daemon/log.h"
 #include "daemon/pipeline.h"
@@ -69,6 +70,7 @@ void schedule_workers(const RealtimeConfig& config, StereoStage& stereo) {
 
 void describe(const drivers::SourceInfo& source, const StereoModel& model) {
   spdlog::info(drivers::describe_source(source));
+  for (const std::string& note : source.calibration.notes) spdlog::warn("calibration: {}", note);
   const std::string lines = drivers::describe_geometry(model);
   std::size_t begin = 0;
   while (begin < lines.size()) {
@@ -302,7 +304,8 @@ int run(const DaemonOptions& options) {
   pipeline_options.output.fifo_priority = config->realtime.output_priority;
   pipeline_options.catch_up_frames = config->realtime.catch_up_frames;
   const std::string description = info.description;
-  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(*source), recording));
+  auto examined = examine_first_pairs(std::move(*source), [](const std::string& line) { spdlog::warn(line); });
+  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(examined), recording));
   if (!pipeline) return report(pipeline.error()), kBadInput;
   for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
 

@@ -7,13 +7,15 @@
 #include <optional>
 #include <string>
 
+#include "drivers/calibration_file.h"
 #include "drivers/frame_source.h"
 
 namespace cliquevo::drivers {
 
 struct RecordingOptions {
   std::string path;
-  std::string calibration;                 // file; empty = the recording's own
+  std::string calibration;  // file; empty = the recording's own
+  CalibrationOptions calibration_options;
   std::optional<double> rate_hz;           // gives stamps to images that have none
   std::int64_t first = 0;                  // first pair to play
   std::int64_t last = -1;                  // last pair to play, -1 = the last there is

@@ -25,6 +25,12 @@ bool is_rotation(const Eigen::Matrix3d& R) {
   return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-3 && R.determinant() > 0.0;
 }
 
+// Pixels a radian in the middle of the image over the focal length: the sphere models' own is another one.
+double central_scale(const CameraCalibration& c) {
+  const bool through_sphere = c.distortion == Distortion::unified || c.distortion == Distortion::double_sphere;
+  return through_sphere ? 1.0 / (1.0 + c.coefficients[0]) : 1.0;
+}
+
 // Both eyes and how they are turned; answers how much of a pinhole image they fill.
 struct Pair {
   CameraProjection left, right;
@@ -101,9 +107,11 @@ Result<PrescribedRectification> own_rectification(const StereoCalibration& calib
   if (m_left.z() < 0.2 || m_right.z() < 0.2) return bad(calibration, "an eye looks along the baseline");
   Eigen::Vector2d middle = 0.5 * (m_left.head<2>() / m_left.z() + m_right.head<2>() / m_right.z());
 
-  const double raw_f = 0.25 * (calibration.left.fx_px + calibration.left.fy_px +
-                               calibration.right.fx_px * calibration.left.width / calibration.right.width +
-                               calibration.right.fy_px * calibration.left.width / calibration.right.width);
+  const CameraCalibration& l = calibration.left;
+  const CameraCalibration& r = calibration.right;
+  const double raw_f =
+      0.25 * (l.fx_px * central_scale(l) + l.fy_px * central_scale(l) + r.fx_px * central_scale(r) * l.width / r.width +
+              r.fy_px * central_scale(r) * l.width / r.width);
   const double shortest = 0.75 * raw_f;
   const double longest = 1.5 * raw_f;
   double f = pair.shortest_focal_length(shortest, longest, middle.x(), middle.y());

@@ -166,8 +166,7 @@ void add_convert_command(CLI::App& app, int& exit_code) {
                    "source holds")
       ->check(CLI::IsMember({"log", "kitti", "euroc"}))
       ->type_name("FORM");
-  convert->add_option("--calibration", arguments->source.calibration, "Calibration instead of the recording's own")
-      ->type_name("FILE");
+  add_calibration_options(*convert, arguments->source);
   convert->footer(
       "Pixels and stamps are kept as they are, but for kitti, which is rectified on the way where it must be.\n"
       "Examples:\n"

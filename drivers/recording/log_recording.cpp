@@ -8,7 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/checks.h"
+#include "drivers/masks.h"
 #include "drivers/recording/calibration_message.h"
 #include "drivers/recording/event_log.h"
 #include "drivers/recording/pair_store.h"
@@ -204,13 +205,25 @@ Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& f
 
   const auto size = size_of_first(contents);
   if (!size) return size.error();
+  if (options.calibration.empty() && !options.calibration_options.empty()) {
+    return Error{"log has its calibration in it", options.path,
+                 "baseline unit, lens and rectified are for a calibration file: name it, or leave them out"};
+  }
   SourceInfo info = contents.info ? std::move(*contents.info) : SourceInfo{};
   if (!options.calibration.empty()) {
     CalibrationRequest request;
     request.path = options.calibration;
     request.width = size->first;
     request.height = size->second;
-    auto calibration = read_calibration(request);
+    request.options = options.calibration_options;
+    std::vector<EventLogReader> again;
+    for (const EventLogReader& log : contents.files) {
+      auto reader = EventLogReader::open(log.path());
+      if (!reader) return reader.error();
+      again.push_back(std::move(*reader));
+    }
+    LoggedPairs store(std::move(again), contents.pairs, size->first, size->second);
+    auto calibration = calibrate(request, store);
     if (!calibration) return calibration.error();
     info.calibration = std::move(*calibration);
   } else if (info.width != size->first || info.height != size->second) {
@@ -237,7 +250,7 @@ Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& f
     info.description += fmt::format(" (damaged in {} places: events left out)", contents.damage.broken_places);
   }
   if (!options.left_mask.empty() || !options.right_mask.empty()) {
-    if (auto ok = read_masks(options, "", info); !ok) return ok.error();
+    if (auto ok = read_masks(options.left_mask, options.right_mask, "", info); !ok) return ok.error();
   }
   auto store =
       std::make_unique<LoggedPairs>(std::move(contents.files), std::move(contents.pairs), info.width, info.height);

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/recording/text_file.h"
+#include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
 

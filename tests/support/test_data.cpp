@@ -18,6 +18,13 @@ std::string data_dir() {
 
 bool have_data(const std::string& name) { return fs::exists(fs::path(data_dir()) / name); }
 
+std::string field_dir() {
+  const char* set = std::getenv("CLIQUEVO_FIELD");
+  return set != nullptr && *set != '\0' ? set : CLIQUEVO_DEFAULT_FIELD;
+}
+
+bool have_field(const std::string& name) { return fs::exists(fs::path(field_dir()) / name); }
+
 std::string binary(const std::string& name) { return std::string(CLIQUEVO_BIN_DIR) + "/" + name; }
 
 std::string scratch_dir() {

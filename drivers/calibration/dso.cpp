@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/recording/dso_calibration.h"
-
+// DSO's cameras: its stereo variants' five lines, and 4Seasons' files an eye.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
-#include "drivers/recording/text_file.h"
+#include "drivers/calibration/checks.h"
+#include "drivers/calibration/formats.h"
 
 namespace cliquevo::drivers {
 
@@ -26,10 +27,9 @@ Result<CameraCalibration> parse_camera(const TextLine& line, const std::string& 
   }
   const auto known = {"Pinhole", "RadTan", "EquiDistant", "KannalaBrandt"};
   if (!name.empty() && std::find(known.begin(), known.end(), name) == known.end()) {
-    return Error{"calibration is of no known format or camera model", where,
-                 "name a KITTI, EuRoC, Kalibr, ROS, OpenCV or DSO file (Pinhole, RadTan or EquiDistant)"};
+    return Error{"calibration is of no known format or camera model", where, "use Pinhole, RadTan or EquiDistant"};
   }
-  const Result<std::vector<double>> numbers = parse_numbers(rest, "calibration", where);
+  const Result<std::vector<double>> numbers = calibration_numbers(rest, where);
   if (!numbers) return numbers.error();
   const std::vector<double>& v = *numbers;
   if (name.empty() && v.size() == 5) name = "Pinhole";
@@ -46,10 +46,11 @@ Result<CameraCalibration> parse_camera(const TextLine& line, const std::string& 
     camera.distortion = Distortion::equidistant;
     coefficients = 4;
   } else {
-    return Error{"calibration is of no known format", where, "name a KITTI, EuRoC, Kalibr, ROS, OpenCV or DSO file"};
+    return Error{"calibration is of no known format", where, "use Pinhole, RadTan or EquiDistant"};
   }
-  const bool pinhole_tail = name == "Pinhole" && v.size() == 5;  // the fifth is the FOV model's parameter, 0 here
-  if (pinhole_tail && v[4] != 0.0) {
+  // Behind the four is the FOV model's parameter, 0 here; 4Seasons fills up with zeros.
+  const bool pinhole_tail = name == "Pinhole" && (v.size() == 5 || v.size() == 8);
+  if (pinhole_tail && std::any_of(v.begin() + 4, v.end(), [](double x) { return x != 0.0; })) {
     return Error{"calibration is of the FOV camera model, which is not known", where,
                  "use Pinhole, RadTan or EquiDistant"};
   }
@@ -68,7 +69,7 @@ Result<CameraCalibration> parse_camera(const TextLine& line, const std::string& 
 Result<std::vector<double>> exactly(const TextLine& line, std::size_t count, const char* what,
                                     const std::string& path) {
   const std::string where = fmt::format("{}:{}", path, line.number);
-  Result<std::vector<double>> numbers = parse_numbers(line.text, "calibration", where);
+  Result<std::vector<double>> numbers = calibration_numbers(line.text, where);
   if (numbers && numbers->size() != count) {
     return Error{fmt::format("{} has {} numbers instead of {}", what, numbers->size(), count), where,
                  "copy the calibration again: it is torn"};
@@ -89,12 +90,97 @@ Result<void> read_size(const TextLine& line, const char* what, const std::string
   return {};
 }
 
+void to_pixels(CameraCalibration& c) {
+  if (c.cx_px >= 1.0 || c.cy_px >= 1.0) return;
+  c.fx_px *= c.width;  // relative to the size; DSO puts the pixel's centre at 0.5
+  c.fy_px *= c.height;
+  c.cx_px = c.cx_px * c.width - 0.5;
+  c.cy_px = c.cy_px * c.height - 0.5;
+}
+
+// "calib_0.txt" to "calib_1.txt" and so on, whichever it is.
+std::string sibling(const std::string& path, const char* which) {
+  for (const char* name : {"calib_0", "calib_1", "calib_stereo"}) {
+    const std::string out = replaced(path, name, std::string("calib_") + which, 1);
+    if (!out.empty()) return out;
+  }
+  return {};
+}
+
+Result<CameraCalibration> read_eye(const NamedText& file) {
+  const std::vector<TextLine> lines = split_lines(file.text);
+  if (lines.size() < 2) {
+    return Error{"calibration has no camera and size", file.path, "copy it again"};
+  }
+  Result<CameraCalibration> camera = parse_camera(lines[0], fmt::format("{}:{}", file.path, lines[0].number));
+  if (!camera) return camera;
+  if (auto ok = read_size(lines[1], "image size", file.path, camera->width, camera->height); !ok) return ok.error();
+  to_pixels(*camera);
+  return camera;
+}
+
+bool is_camera_line(std::string_view line) {
+  if (is_word(line)) {
+    const std::string_view name = split_words(line).front();
+    return name == "Pinhole" || name == "RadTan" || name == "EquiDistant" || name == "KannalaBrandt" || name == "FOV" ||
+           name == "UniversalOmni";
+  }
+  const auto numbers = parse_numbers(line, "calibration", "");
+  return numbers && (numbers->size() == 5 || numbers->size() == 8);
+}
+
 }  // namespace
 
-Result<StereoCalibration> parse_dso(std::string_view text, const CalibrationRequest& request) {
-  const std::vector<TextLine> lines = split_lines(text);
-  const std::string& path = request.path;
-  if (lines.empty()) return Error{"calibration is empty", path, "copy it again"};
+bool is_four_seasons(const CalibrationText& file) {
+  const std::string name = file.name();
+  for (const char* known : {"calib_0.txt", "calib_1.txt"}) {
+    if (name.find(known) != std::string::npos && file.lines.size() < 5 && !file.lines.empty() &&
+        is_camera_line(file.lines.front().text)) {
+      return true;
+    }
+  }
+  if (name.find("calib_stereo.txt") == std::string::npos || file.lines.size() < 3) return false;
+  const auto row = parse_numbers(file.lines.front().text, "calibration", "");
+  return row && row->size() == 4;
+}
+
+Result<StereoCalibration> read_four_seasons(const CalibrationText& file, const CalibrationRequest& request,
+                                            const OtherFile& other) {
+  StereoCalibration c;
+  for (const char* eye : {"0", "1"}) {
+    const auto text = other({sibling(file.path, eye)});
+    if (!text) return text.error();
+    const auto camera = read_eye(*text);
+    if (!camera) return camera.error();
+    (*eye == '0' ? c.left : c.right) = *camera;
+  }
+  const auto stereo = other({sibling(file.path, "stereo")});
+  if (!stereo) return stereo.error();
+  std::vector<double> numbers;
+  for (const TextLine& line : split_lines(stereo->text)) {
+    const auto row = calibration_numbers(line.text, fmt::format("{}:{}", stereo->path, line.number));
+    if (!row) return row.error();
+    numbers.insert(numbers.end(), row->begin(), row->end());
+  }
+  const auto T = transform_from(numbers, stereo->path);
+  if (!T) return T.error();
+  // From the right camera to the left one; the other way round the right camera would lie left.
+  c.T_right_left = T->t.x() > 0.0 ? T->inverse() : *T;
+  return finish_calibration(c, request);
+}
+
+bool is_dso(const CalibrationText& file) {
+  if (file.document || file.broken || file.lines.empty() || !is_camera_line(file.lines.front().text)) return false;
+  if (is_word(file.lines.front().text)) return true;
+  // Tables of poses have rows of eight numbers, too: the size must follow.
+  const auto size = file.lines.size() > 1 ? parse_numbers(file.lines[1].text, "calibration", "") : Error{};
+  return size && size->size() == 2;
+}
+
+Result<StereoCalibration> read_dso(const CalibrationText& file, const CalibrationRequest& request,
+                                   const OtherFile& /*other*/) {
+  const std::vector<TextLine>& lines = file.lines;
+  const std::string& path = file.path;
   const Result<CameraCalibration> camera = parse_camera(lines[0], fmt::format("{}:{}", path, lines[0].number));
   if (!camera) return camera.error();
   if (lines.size() < 5) {
@@ -106,12 +192,7 @@ Result<StereoCalibration> parse_dso(std::string_view text, const CalibrationRequ
   if (const Result<void> ok = read_size(lines[1], "image size", path, c.left.width, c.left.height); !ok) {
     return ok.error();
   }
-  if (c.left.cx_px < 1.0 && c.left.cy_px < 1.0) {  // relative to the size; DSO puts the pixel's centre at 0.5
-    c.left.fx_px *= c.left.width;
-    c.left.fy_px *= c.left.height;
-    c.left.cx_px = c.left.cx_px * c.left.width - 0.5;
-    c.left.cy_px = c.left.cy_px * c.left.height - 0.5;
-  }
+  to_pixels(c.left);
   c.right = c.left;
   int out_width = 0;
   int out_height = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/checks.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,13 +7,15 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "drivers/recording/text_file.h"
+#include "drivers/calibration/baseline.h"
+#include "drivers/calibration/size.h"
+#include "drivers/text_file.h"
+#include "stereo/camera_projection.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-constexpr double kMostBaseline_m = 10.0;  // millimetres taken for metres, in all likelihood
 constexpr double kMostCoefficient = 1000.0;
 constexpr double kRotationTolerance = 1e-3;  // files print six digits and more
 
@@ -40,37 +42,20 @@ Result<void> check_camera(const CameraCalibration& c, const std::string& where) 
   return {};
 }
 
-Result<void> check_translation(const Eigen::Vector3d& t, const std::string& where) {
+Result<void> check_translation(const Eigen::Vector3d& t, bool unit_named, const std::string& where) {
   if (!t.allFinite()) return calibration_error("translation between the eyes is not finite", where);
   const double length = t.norm();
-  if (length < 1e-4) return calibration_error("baseline is zero", where);
-  if (length > kMostBaseline_m) {
-    return calibration_error(
-        fmt::format("baseline of {:.6g} m is absurd (the unit is m; are these millimetres?)", length), where);
-  }
+  if (length < 1e-9) return calibration_error("baseline is zero", where);
   if (t.x() >= 0.0) return calibration_error("right camera lies left of the left one (eyes swapped)", where);
   if (-t.x() < 0.5 * length) return calibration_error("eyes are not side by side", where);
-  return {};
-}
-
-Result<void> check_model(const StereoModel& model, const std::string& where) {
-  StereoModel sized = model;
-  if (sized.width <= 0) {  // no size is known yet: a stand-in that the focal length and centre must fit all the same
-    sized.width = static_cast<int>(std::clamp(2.0 * model.cx_px, 16.0, 16384.0));
-    sized.height = static_cast<int>(std::clamp(2.0 * model.cy_px, 16.0, 16384.0));
-  }
-  if (const Result<void> ok = sized.check(); !ok) return calibration_error(ok.error().where, where);
-  if (model.baseline_m > kMostBaseline_m) {
-    return calibration_error(
-        fmt::format("baseline of {:.6g} m is absurd (the unit is m; are these millimetres?)", model.baseline_m), where);
-  }
-  return {};
+  return check_baseline(length, unit_named, where);
 }
 
 bool is_undistorted(const CameraCalibration& c) {
-  // Fisheye without coefficients still bends rays.
-  if (c.distortion == Distortion::equidistant) return false;
-  return std::all_of(c.coefficients.begin(), c.coefficients.end(), [](double k) { return k == 0.0; });
+  // Fisheyes and spheres without coefficients still bend rays.
+  const bool pinhole =
+      c.distortion == Distortion::none || c.distortion == Distortion::plumb_bob || c.distortion == Distortion::rational;
+  return pinhole && std::all_of(c.coefficients.begin(), c.coefficients.end(), [](double k) { return k == 0.0; });
 }
 
 bool near(double a, double b) { return std::abs(a - b) < 1e-6; }
@@ -113,34 +98,6 @@ Result<void> check_fit(const PrescribedRectification& p, const RigidTransform& T
   return {};
 }
 
-// Files without a size (KITTI odometry, some of OpenCV's) betray another one by a principal point far from the middle.
-Result<void> check_centre(const CameraCalibration& c, const std::string& where) {
-  const double off_x = std::abs(c.cx_px / c.width - 0.5);
-  const double off_y = std::abs(c.cy_px / c.height - 0.5);
-  if ((off_x < 0.25 || off_y < 0.25) && off_x < 0.4) return {};
-  return Error{
-      "calibration is of another image size", where,
-      fmt::format("its principal point {:.1f}, {:.1f} px suits about {:.0f}x{:.0f}, the images are {}x{}: name "
-                  "the calibration of these images",
-                  c.cx_px, c.cy_px, 2.0 * c.cx_px, 2.0 * c.cy_px, c.width, c.height)};
-}
-
-Result<void> settle_size(CameraCalibration& camera, const CalibrationRequest& request, const std::string& where) {
-  if (camera.width == 0 && camera.height == 0) {
-    camera.width = request.width;
-    camera.height = request.height;
-    if (auto ok = check_camera(camera, where); !ok) return ok;
-    return request.width > 0 ? check_centre(camera, where) : Result<void>{};
-  }
-  if (camera.width < 16 || camera.height < 16 || camera.width > 16384 || camera.height > 16384) {
-    return calibration_error(fmt::format("image size {}x{} is absurd", camera.width, camera.height), request.path);
-  }
-  if (request.width > 0 && (camera.width != request.width || camera.height != request.height)) {
-    return size_error(request.path, camera.width, camera.height, request.width, request.height);
-  }
-  return check_camera(camera, where);
-}
-
 }  // namespace
 
 Error calibration_error(const std::string& what, const std::string& where) {
@@ -153,55 +110,13 @@ Error size_error(const std::string& path, int width, int height, int image_width
                       image_width, image_height)};
 }
 
-Result<void> check_rotation(const Eigen::Matrix3d& R, const std::string& where) {
-  const bool orthonormal =
-      R.allFinite() && (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance;
-  if (!orthonormal || R.determinant() < 0.0)
-    return calibration_error("rotation matrix is singular or no rotation", where);
-  return {};
+bool is_rotation(const Eigen::Matrix3d& R) {
+  return R.allFinite() && R.determinant() > 0.0 &&
+         (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance;
 }
 
-Result<void> set_distortion(const std::string& name, const std::vector<double>& coefficients, const std::string& where,
-                            CameraCalibration& camera) {
-  std::string key;
-  for (const char c : name) {
-    if (c == '_' || c == '-' || c == ' ') continue;
-    key += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  }
-  const std::size_t n = coefficients.size();
-  std::size_t most = 0;
-  if (key == "none" || (key.empty() && n == 0)) {
-    camera.distortion = Distortion::none;
-  } else if (key == "plumbbob" || key == "radtan" || key == "radialtangential" || (key.empty() && n <= 5)) {
-    camera.distortion = Distortion::plumb_bob;
-    most = 5;
-    if (n != 0 && n != 4 && n != 5) {
-      return Error{fmt::format("distortion has {} numbers instead of 4 or 5", n), where, "copy the calibration again"};
-    }
-  } else if (key == "rationalpolynomial" || key == "rational" || key.empty()) {
-    camera.distortion = Distortion::rational;
-    most = 8;
-    if (n != 8 && n != 12 && n != 14) {
-      return Error{fmt::format("distortion has {} numbers instead of 8", n), where, "copy the calibration again"};
-    }
-  } else if (key == "equidistant" || key == "equi" || key == "fisheye" || key == "kannalabrandt") {
-    camera.distortion = Distortion::equidistant;
-    most = 4;
-    if (n != 4) {
-      return Error{fmt::format("distortion has {} numbers instead of 4", n), where, "copy the calibration again"};
-    }
-  } else {
-    return Error{"distortion model " + printable(key.substr(0, 32)) + " is not known", where,
-                 "use plumb_bob (radtan), rational_polynomial, equidistant or none"};
-  }
-  // OpenCV's thin prism and tilt follow the eight; only files that leave them at zero are of a model we have.
-  for (std::size_t i = most; i < n; ++i) {
-    if (coefficients[i] != 0.0)
-      return Error{"distortion has terms that are not known", where, "calibrate without them"};
-  }
-  camera.coefficients.fill(0.0);
-  std::copy_n(coefficients.begin(), std::min(n, most), camera.coefficients.begin());
-  return {};
+Result<void> check_rotation(const Eigen::Matrix3d& R, const std::string& where) {
+  return is_rotation(R) ? Result<void>{} : calibration_error("rotation matrix is singular or no rotation", where);
 }
 
 Result<void> set_camera_matrix(const std::vector<double>& K, const std::string& where, CameraCalibration& camera) {
@@ -247,34 +162,105 @@ Eigen::Matrix3d matrix3_from(const std::vector<double>& v) {
   return m;
 }
 
-Result<StereoCalibration> finish_calibration(StereoCalibration c, const CalibrationRequest& request) {
-  c.source = request.path;
-  for (CameraCalibration* camera : {&c.left, &c.right}) {
-    const char* eye = camera == &c.left ? " (left eye)" : " (right eye)";
-    if (const Result<void> ok = settle_size(*camera, request, request.path + eye); !ok) return ok.error();
+Result<void> check_model(const StereoModel& model, const std::string& where) {
+  StereoModel sized = model;
+  if (sized.width <= 0) {  // no size is known yet: a stand-in that the focal length and centre must fit all the same
+    sized.width = static_cast<int>(std::clamp(2.0 * model.cx_px, 16.0, 16384.0));
+    sized.height = static_cast<int>(std::clamp(2.0 * model.cy_px, 16.0, 16384.0));
   }
-  if (c.left.width != c.right.width || c.left.height != c.right.height) {
-    return calibration_error(fmt::format("eyes have unequal sizes ({}x{} and {}x{})", c.left.width, c.left.height,
-                                         c.right.width, c.right.height),
-                             request.path);
+  if (const Result<void> ok = sized.check(); !ok) return calibration_error(ok.error().where, where);
+  return {};
+}
+
+Result<std::vector<double>> calibration_numbers(std::string_view text, const std::string& where) {
+  Result<std::vector<double>> values = parse_numbers(text, "calibration", where);
+  if (!values) return values;
+  for (const double value : *values) {
+    if (!(std::abs(value) <= 1e9)) {
+      return calibration_error(fmt::format("calibration holds {:.3g}, which is absurd", value), where);
+    }
+  }
+  return values;
+}
+
+namespace {
+
+void scale_lengths(StereoCalibration& c, double by) {
+  c.T_right_left.t *= by;
+  if (c.prescribed) c.prescribed->model.baseline_m *= by;
+}
+
+// Lengths to metres: the unit that was named, or thousandths, which no two lenses can be apart.
+void settle_unit(StereoCalibration& c, const CalibrationRequest& request, double format_unit_m) {
+  if (request.options.baseline_unit_m > 0.0) {
+    scale_lengths(c, request.options.baseline_unit_m / format_unit_m);
+    return;
+  }
+  const double length = c.T_right_left.t.norm();
+  constexpr double kApart_m = 0.001;
+  if (!(length >= 1.5e-5 && length < 0.8 * kApart_m)) return;
+  scale_lengths(c, 1000.0);
+  c.notes.push_back(
+      fmt::format("baseline of {:.4g} m in {} taken for {:.4g} m (it was divided by 1000); "
+                  "--baseline-unit 1 if not",
+                  length, request.path, 1000.0 * length));
+}
+
+Result<void> check_prescribed(StereoCalibration& c, const CalibrationRequest& request) {
+  PrescribedRectification& p = *c.prescribed;
+  if (p.model.width == 0) {
+    p.model.width = c.left.width;
+    p.model.height = c.left.height;
+  }
+  if (const Result<void> ok = check_model(p.model, request.path + " (rectified)"); !ok) return ok.error();
+  for (Eigen::Matrix3d* R : {&p.R_left, &p.R_right}) {
+    if (const Result<void> ok = check_rotation(*R, request.path + " (rectifying rotation)"); !ok) return ok.error();
+    *R = RigidTransform{*R, Eigen::Vector3d::Zero()}.normalized().R;
+  }
+  return check_fit(p, c.T_right_left, request.path);
+}
+
+// The pair that this calibration rectifies to, for images that are it.
+Result<StereoCalibration> rectified_already(StereoCalibration c, const CalibrationRequest& request) {
+  if (!c.prescribed) {
+    return Error{"calibration does not tell the rectified cameras", request.path,
+                 "name a file with the projections of the rectified images (P1 and P2; KITTI's calib.txt)"};
+  }
+  StereoModel m = c.prescribed->model;
+  if (request.width > 0 && (m.width != request.width || m.height != request.height)) {
+    return size_error(request.path + " (rectified)", m.width, m.height, request.width, request.height);
+  }
+  c.left = {m.width, m.height, m.fx_px, m.fy_px, m.cx_px, m.cy_px, Distortion::none, {}, {}};
+  c.right = c.left;
+  c.right.cx_px += m.doffs_px;
+  c.T_right_left = {Eigen::Matrix3d::Identity(), {-m.baseline_m, 0.0, 0.0}};
+  c.prescribed = PrescribedRectification{};
+  c.prescribed->model = m;
+  c.rectified = true;
+  return c;
+}
+
+}  // namespace
+
+Result<StereoCalibration> finish_calibration(StereoCalibration c, const CalibrationRequest& request,
+                                             double format_unit_m) {
+  c.source = request.path;
+  if (auto ok = settle_size(c, request); !ok) return ok.error();
+  for (CameraCalibration* camera : {&c.left, &c.right}) {
+    const std::string where = request.path + (camera == &c.left ? " (left eye)" : " (right eye)");
+    if (const Result<void> ok = check_camera(*camera, where); !ok) return ok.error();
+    if (const Result<void> ok = check_lens(*camera, where); !ok) return ok.error();
   }
   if (const Result<void> ok = check_rotation(c.T_right_left.R, request.path + " (left to right)"); !ok) {
     return ok.error();
   }
-  if (const Result<void> ok = check_translation(c.T_right_left.t, request.path); !ok) return ok.error();
+  settle_unit(c, request, format_unit_m);
+  if (auto ok = check_translation(c.T_right_left.t, request.options.baseline_unit_m > 0.0, request.path); !ok) {
+    return ok.error();
+  }
   c.T_right_left = c.T_right_left.normalized();
   if (c.prescribed) {
-    PrescribedRectification& p = *c.prescribed;
-    if (p.model.width == 0) {
-      p.model.width = c.left.width;
-      p.model.height = c.left.height;
-    }
-    if (const Result<void> ok = check_model(p.model, request.path + " (rectified)"); !ok) return ok.error();
-    for (Eigen::Matrix3d* R : {&p.R_left, &p.R_right}) {
-      if (const Result<void> ok = check_rotation(*R, request.path + " (rectifying rotation)"); !ok) return ok.error();
-      *R = RigidTransform{*R, Eigen::Vector3d::Zero()}.normalized().R;
-    }
-    if (const Result<void> ok = check_fit(p, c.T_right_left, request.path); !ok) return ok.error();
+    if (auto ok = check_prescribed(c, request); !ok) return ok.error();
   }
   if (!c.rectified) {
     const std::optional<StereoModel> model = model_without_warp(c);
@@ -288,7 +274,7 @@ Result<StereoCalibration> finish_calibration(StereoCalibration c, const Calibrat
       if (const Result<void> ok = check_model(*model, request.path); !ok) return ok.error();
     }
   }
-  return c;
+  return request.options.rectified && !c.rectified ? rectified_already(std::move(c), request) : c;
 }
 
 }  // namespace cliquevo::drivers

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/recording/text_file.h"
+#include "drivers/text_file.h"
 
 #include <charconv>
 #include <cmath>

@@ -1,26 +1,27 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/recording/kitti_calibration.h"
-
+// KITTI's text files, and the data sets that write them alike: KITTI-360 (perspective.txt), DrivingStereo.
 #include <cmath>
+#include <set>
 
 #include <fmt/format.h>
 
-#include "drivers/recording/text_file.h"
+#include "drivers/calibration/checks.h"
+#include "drivers/calibration/formats.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-// `count` numbers behind "key:".
-Result<std::vector<double>> numbers_of(const std::vector<TextLine>& lines, const std::string& key, std::size_t count,
-                                       const std::string& path) {
+// Numbers behind "key:", `count` of them where it is given.
+Result<std::vector<double>> numbers_of(const std::vector<TextLine>& lines, const std::string& key,
+                                       std::optional<std::size_t> count, const std::string& path) {
   for (const TextLine& line : lines) {
     const std::size_t colon = line.text.find(':');
     if (colon == std::string_view::npos || trim(line.text.substr(0, colon)) != key) continue;
     const std::string where = fmt::format("{}:{}", path, line.number);
-    Result<std::vector<double>> values = parse_numbers(line.text.substr(colon + 1), "calibration", where);
-    if (values && values->size() != count) {
-      return Error{fmt::format("{} has {} numbers instead of {}", key, values->size(), count), where,
+    Result<std::vector<double>> values = calibration_numbers(line.text.substr(colon + 1), where);
+    if (values && count && values->size() != *count) {
+      return Error{fmt::format("{} has {} numbers instead of {}", key, values->size(), *count), where,
                    "copy the calibration again: it is torn"};
     }
     return values;
@@ -72,7 +73,7 @@ Result<CameraCalibration> raw_camera(const std::vector<TextLine>& lines, const s
   if (!S) return S.error();
   const Result<std::vector<double>> K = numbers_of(lines, "K_" + suffix, 9, path);
   if (!K) return K.error();
-  const Result<std::vector<double>> D = numbers_of(lines, "D_" + suffix, 5, path);
+  const Result<std::vector<double>> D = numbers_of(lines, "D_" + suffix, std::nullopt, path);
   if (!D) return D.error();
   CameraCalibration camera;
   for (const double side : *S) {
@@ -84,8 +85,7 @@ Result<CameraCalibration> raw_camera(const std::vector<TextLine>& lines, const s
   if (const Result<void> ok = set_camera_matrix(*K, fmt::format("{} (K_{})", path, suffix), camera); !ok) {
     return ok.error();
   }
-  camera.distortion = Distortion::plumb_bob;
-  std::copy(D->begin(), D->end(), camera.coefficients.begin());
+  if (const auto ok = set_distortion("", *D, fmt::format("{} (D_{})", path, suffix), camera); !ok) return ok.error();
   return camera;
 }
 
@@ -117,44 +117,101 @@ Result<StereoCalibration> raw_rectified_part(const std::vector<TextLine>& lines,
   return c;
 }
 
+// The numbers of the cameras that a file tells of: "00", "101".
+std::set<std::string> cameras_of(const std::vector<TextLine>& lines) {
+  std::set<std::string> out;
+  for (const TextLine& line : lines) {
+    const std::string_view key = trim(line.text.substr(0, line.text.find(':')));
+    if (key.substr(0, 7) == "P_rect_") out.insert(std::string(key.substr(7)));
+  }
+  return out;
+}
+
+struct Eyes {
+  std::string left;
+  std::string right;
+};
+
+// The layout's cameras where the file has them, else the two that it has: the left one sees things farther right.
+Result<Eyes> eyes_of(const CalibrationText& file, const CalibrationRequest& request) {
+  Eyes eyes{fmt::format("{:02}", request.left_camera), fmt::format("{:02}", request.right_camera)};
+  const std::set<std::string> cameras = cameras_of(file.lines);
+  if (cameras.count(eyes.left) + cameras.count(eyes.right) > 0 || cameras.size() != 2) return eyes;
+  eyes = {*cameras.begin(), *std::next(cameras.begin())};
+  const auto first = projection_of(file.lines, "P_rect_" + eyes.left, file.path);
+  if (!first) return first.error();
+  const auto second = projection_of(file.lines, "P_rect_" + eyes.right, file.path);
+  if (!second) return second.error();
+  if (second->shift_m > first->shift_m) std::swap(eyes.left, eyes.right);
+  return eyes;
+}
+
+// Halved files of DrivingStereo keep the P[3] of the whole image: T tells the baseline.
+void mend_halved(double poses_m, StereoCalibration& rectified) {
+  const double projected_m = -rectified.T_right_left.t.x();
+  const double ratio = projected_m / poses_m;
+  if (!(std::abs(ratio - 2.0) < 0.04 || std::abs(ratio - 0.5) < 0.01)) return;
+  rectified.T_right_left.t.x() = -poses_m;
+  rectified.notes.push_back(fmt::format(
+      "P_rect makes a baseline of {:.4f} m, R and T one of {:.4f} m: the latter is taken", projected_m, poses_m));
+}
+
 }  // namespace
 
-Result<StereoCalibration> parse_kitti_odometry(std::string_view text, const CalibrationRequest& request) {
-  const std::vector<TextLine> lines = split_lines(text);
-  const Result<Projection> left = projection_of(lines, fmt::format("P{}", request.left_camera), request.path);
+bool is_kitti_odometry(const CalibrationText& file) {
+  if (file.document) return false;
+  return file.has_line("P0") || file.has_line("P1") || file.has_line("P2") || file.has_line("P3");
+}
+
+bool is_kitti_raw(const CalibrationText& file) {
+  if (file.document) return false;
+  if (file.has_line("calib_time") || !cameras_of(file.lines).empty()) return true;
+  for (const char* key : {"K_00", "S_00", "K_02", "S_02", "R_rect_00", "K_101", "S_101"}) {
+    if (file.has_line(key)) return true;
+  }
+  return false;
+}
+
+Result<StereoCalibration> read_kitti_odometry(const CalibrationText& file, const CalibrationRequest& request,
+                                              const OtherFile& /*other*/) {
+  const Result<Projection> left = projection_of(file.lines, fmt::format("P{}", request.left_camera), file.path);
   if (!left) return left.error();
-  const Result<Projection> right = projection_of(lines, fmt::format("P{}", request.right_camera), request.path);
+  const Result<Projection> right = projection_of(file.lines, fmt::format("P{}", request.right_camera), file.path);
   if (!right) return right.error();
   return finish_calibration(pair_of(*left, *right), request);
 }
 
-Result<StereoCalibration> parse_kitti_raw(std::string_view text, const CalibrationRequest& request) {
-  const std::vector<TextLine> lines = split_lines(text);
-  const std::string& path = request.path;
-  const std::string l = fmt::format("{:02}", request.left_camera);
-  const std::string r = fmt::format("{:02}", request.right_camera);
+Result<StereoCalibration> read_kitti_raw(const CalibrationText& file, const CalibrationRequest& request,
+                                         const OtherFile& /*other*/) {
+  const std::vector<TextLine>& lines = file.lines;
+  const std::string& path = file.path;
+  const Result<Eyes> eyes = eyes_of(file, request);
+  if (!eyes) return eyes.error();
+  const std::string& l = eyes->left;
+  const std::string& r = eyes->right;
 
   Result<StereoCalibration> rectified = raw_rectified_part(lines, l, r, path);
   if (!rectified) return rectified.error();
+  const Result<RigidTransform> T_left_0 = raw_pose(lines, l, path);
+  const Result<RigidTransform> T_right_0 = raw_pose(lines, r, path);
+  if (T_left_0 && T_right_0) mend_halved((*T_right_0 * T_left_0->inverse()).t.norm(), *rectified);
+  const CameraCalibration& image = rectified->left;
+  if (!file.has_line("K_" + l) && image.width > 0) return finish_calibration(*rectified, request);
   const Result<CameraCalibration> left = raw_camera(lines, l, path);
   if (!left) return left.error();
   const Result<CameraCalibration> right = raw_camera(lines, r, path);
   if (!right) return right.error();
   const bool as_grabbed = request.width == 0 || (left->width == request.width && left->height == request.height);
-  if (!as_grabbed) {
-    if (rectified->left.width == request.width && rectified->left.height == request.height) {
-      return finish_calibration(*rectified, request);
-    }
-    return size_error(path, left->width, left->height, request.width, request.height);
-  }
+  const bool as_rectified = image.width == request.width && image.height == request.height;
+  if (as_rectified && (!as_grabbed || request.options.rectified)) return finish_calibration(*rectified, request);
+  if (!as_grabbed) return size_error(path, left->width, left->height, request.width, request.height);
+  if (!T_left_0) return T_left_0.error();
+  if (!T_right_0) return T_right_0.error();
 
   StereoCalibration c;
   c.left = *left;
   c.right = *right;
-  const Result<RigidTransform> T_left_0 = raw_pose(lines, l, path);
-  if (!T_left_0) return T_left_0.error();
-  const Result<RigidTransform> T_right_0 = raw_pose(lines, r, path);
-  if (!T_right_0) return T_right_0.error();
+  c.notes = rectified->notes;
   c.T_right_left = *T_right_0 * T_left_0->inverse();
 
   // The frame of R_rect and P_rect is the reference's: a rectification of our own would be turned against it.
