@@ -47,8 +47,29 @@ bool is_plain_pair(const EyeParts& left, const EyeParts& right) {
   return straight(left) && straight(right) && unequal;
 }
 
-Result<StereoCalibration> plain_pair(const EyeParts& left, const EyeParts& right, const CalibrationRequest& request) {
+// Projections are of rectified images, whose rows and scale are one; some producers give each eye its own all the same.
+void mend_projections(EyeParts& left, EyeParts& right, std::vector<std::string>& notes) {
+  constexpr double kSmall = 0.015;
+  if (!(std::abs(left.P[0] / right.P[0] - 1.0) < kSmall && std::abs(left.P[5] / right.P[5] - 1.0) < kSmall &&
+        std::abs(left.P[6] - right.P[6]) < kSmall * left.P[5])) {
+    return;
+  }
+  notes.push_back(
+      fmt::format("projections of rectified images have unequal focal lengths ({:.2f} and {:.2f} px) or "
+                  "rows: their means are taken",
+                  left.P[0], right.P[0]));
+  const double baseline_m = right.P[3] / right.P[0] - left.P[3] / left.P[0];
+  for (const std::size_t i : {std::size_t{0}, std::size_t{5}, std::size_t{6}}) {
+    left.P[i] = right.P[i] = 0.5 * (left.P[i] + right.P[i]);
+  }
+  left.P[3] = 0.0;
+  right.P[3] = baseline_m * right.P[0];
+}
+
+Result<StereoCalibration> plain_pair(const EyeParts& left, const EyeParts& right, std::vector<std::string> notes,
+                                     const CalibrationRequest& request) {
   StereoCalibration c;
+  c.notes = std::move(notes);
   for (const EyeParts* eye : {&left, &right}) {
     CameraCalibration& camera = eye == &left ? c.left : c.right;
     camera = eye->camera;
@@ -112,7 +133,10 @@ Result<StereoCalibration> rig_of_projections(EyeParts left, EyeParts right, cons
     if (!T) return calibration_error("baseline is zero (P of the right eye has no fx * Tx)", right.where);
     right.P[3] = (T->x() < 0.0 ? -1.0 : 1.0) * right.P[0] * T->norm();
   }
-  if (is_plain_pair(left, right)) return plain_pair(left, right, request);
+  if (is_plain_pair(left, right)) {
+    mend_projections(left, right, c.notes);
+    return plain_pair(left, right, std::move(c.notes), request);
+  }
   const Result<StereoModel> model = model_from_projections(left.P, right.P, right.where + " (projection matrix)");
   if (!model) return model.error();
   c.left = left.camera;

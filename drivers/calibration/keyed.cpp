@@ -1,181 +1,20 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that name their matrices and numbers, each in its own way: OpenCV's FileStorage in YAML, XML and JSON,
 // ORB-SLAM2 and 3, stella_vslam, and whatever else key_names.h understands.
-#include <algorithm>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 
 #include "drivers/calibration/eye_parts.h"
 #include "drivers/calibration/formats.h"
-#include "drivers/calibration/key_names.h"
+#include "drivers/calibration/keys.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-struct Entry {
-  std::string key;  // as in the file, with dots
-  std::string where;
-  KeyMeaning meaning;
-  std::vector<double> numbers;
-  std::string word;
-  std::optional<Error> error;  // of its numbers
-};
-
-// All keys that mean something, of one or two files.
-class Keys {
- public:
-  explicit Keys(const Document& document) { add(document); }
-
-  void add(const Document& document) {
-    std::vector<std::string> path;
-    walk(document.root(), document.path(), "", path);
-    settle_numbers();
-  }
-  // The one of an eye; without eye where `side` is none. An Error where two differ.
-  Result<const Entry*> find(Quantity quantity, KeySide side, int index = 0) const {
-    const Entry* found = nullptr;
-    for (const Entry& entry : entries_) {
-      if (entry.meaning.quantity != quantity || entry.meaning.side != side || entry.meaning.index != index) continue;
-      if (entry.error) return *entry.error;
-      if (found != nullptr && (found->numbers != entry.numbers || found->word != entry.word)) {
-        return Error{"calibration says the same twice, and differently", entry.where,
-                     "leave one of " + printable(found->key) + " and " + printable(entry.key)};
-      }
-      if (found == nullptr) found = &entry;
-    }
-    return found;
-  }
-  bool has(Quantity quantity, KeySide side) const {
-    return std::any_of(entries_.begin(), entries_.end(), [&](const Entry& entry) {
-      return entry.meaning.quantity == quantity && entry.meaning.side == side;
-    });
-  }
-  bool has(Quantity quantity) const {
-    return std::any_of(entries_.begin(), entries_.end(),
-                       [&](const Entry& entry) { return entry.meaning.quantity == quantity; });
-  }
-
- private:
-  void walk(const DocumentNode& node, const std::string& file, const std::string& key, std::vector<std::string>& path) {
-    if (path.size() > 8 || entries_.size() > 2000) return;
-    const bool matrix = node.find("data") != nullptr;
-    if (node.kind == DocumentNode::Kind::map && !matrix) {
-      for (const auto& [name, inner] : node.entries) step(inner, file, key, name, path);
-      return;
-    }
-    const bool maps = node.kind == DocumentNode::Kind::list && !node.items.empty() &&
-                      node.items.front().kind == DocumentNode::Kind::map;
-    if (maps) {
-      for (std::size_t i = 0; i < node.items.size() && i < 10; ++i) {
-        step(node.items[i], file, key, std::to_string(i), path);
-      }
-      return;
-    }
-    if (!path.empty()) leaf(node, file, key, path);
-  }
-  void step(const DocumentNode& inner, const std::string& file, const std::string& key, const std::string& name,
-            std::vector<std::string>& path) {
-    const std::size_t depth = path.size();
-    for (std::size_t at = 0; at <= name.size();) {  // "LEFT.K" is "K" in "LEFT"
-      const std::size_t dot = std::min(name.find('.', at), name.size());
-      path.push_back(name.substr(at, dot - at));
-      at = dot + 1;
-    }
-    walk(inner, file, key.empty() ? name : key + "." + name, path);
-    path.resize(depth);
-  }
-  void leaf(const DocumentNode& node, const std::string& file, const std::string& key,
-            const std::vector<std::string>& path) {
-    Entry entry;
-    entry.key = key;
-    entry.where = node.line > 0 ? fmt::format("{}:{} ({})", file, node.line, key) : fmt::format("{} ({})", file, key);
-    const Result<std::vector<double>> numbers = numbers_of(node, entry.where);
-    if (numbers) {
-      entry.numbers = *numbers;
-      entry.meaning = meaning_of(path, entry.numbers.size());
-      if (entry.numbers.empty() && node.kind != DocumentNode::Kind::scalar) {
-        entry.meaning = meaning_of(path, 5);  // no distortion terms are none, not a word
-        if (entry.meaning.quantity != Quantity::distortion) return;
-      }
-    } else {
-      if (node.kind == DocumentNode::Kind::scalar) {
-        entry.word = node.scalar;
-        entry.meaning = meaning_of(path, 0);
-      }
-      if (entry.meaning.quantity == Quantity::none) {
-        // A matrix or number that is broken must not be passed over.
-        for (const std::size_t count : {std::size_t{9}, std::size_t{12}, std::size_t{3}, std::size_t{1}}) {
-          if (count == 1 && node.kind != DocumentNode::Kind::scalar) continue;
-          entry.meaning = meaning_of(path, count);
-          if (entry.meaning.quantity != Quantity::none) break;
-        }
-        entry.error = numbers.error();
-      }
-    }
-    if (entry.meaning.quantity != Quantity::none) entries_.push_back(std::move(entry));
-  }
-  // Which eye a camera's number is: the smaller of two is the left one's; a single one beside none is the right one's.
-  void settle_numbers() {
-    std::set<int> numbers;
-    bool plain = false;
-    for (const Entry& entry : entries_) {
-      const KeyMeaning& m = entry.meaning;
-      if (m.quantity != Quantity::camera_matrix && m.quantity != Quantity::fx && m.quantity != Quantity::projection &&
-          m.quantity != Quantity::focal) {
-        continue;
-      }
-      if (m.side == KeySide::none && m.number) numbers.insert(*m.number);
-      plain = plain || (m.side == KeySide::none && !m.number);
-    }
-    if (numbers.empty()) {
-      for (const Entry& entry : entries_) {  // an extrinsics file alone: R1, R2
-        if (entry.meaning.side == KeySide::none && entry.meaning.number) numbers.insert(*entry.meaning.number);
-      }
-    }
-    std::optional<int> left, right;
-    if (numbers.size() >= 2) {
-      left = *numbers.begin();
-      right = *std::next(numbers.begin());
-    } else if (numbers.size() == 1) {
-      (plain && *numbers.begin() == 2 ? right : left) = *numbers.begin();
-      if (left && *left < 2) right = *left + 1;
-    }
-    const bool plain_is_left = plain && right && !left;
-    for (Entry& entry : entries_) {
-      KeyMeaning& m = entry.meaning;
-      if (m.side != KeySide::none) continue;
-      if (m.number && left && *m.number == *left) m.side = KeySide::left;
-      if (m.number && right && *m.number == *right) m.side = KeySide::right;
-      if (m.number && m.side == KeySide::none) m.quantity = Quantity::none;  // another camera's
-      if (!m.number && plain_is_left && is_of_a_camera(m.quantity)) m.side = KeySide::left;
-    }
-  }
-  static bool is_of_a_camera(Quantity q) {
-    switch (q) {
-      case Quantity::camera_matrix:
-      case Quantity::distortion:
-      case Quantity::fx:
-      case Quantity::fy:
-      case Quantity::cx:
-      case Quantity::cy:
-      case Quantity::focal:
-      case Quantity::k:
-      case Quantity::p:
-      case Quantity::s:
-        return true;
-      default:
-        return false;
-    }
-  }
-
-  std::vector<Entry> entries_;
-};
-
 // What a reader looks for: the eye's own, else the one for both.
-Result<const Entry*> own_or_common(const Keys& keys, Quantity quantity, KeySide side, int index = 0) {
+Result<const KeyEntry*> own_or_common(const Keys& keys, Quantity quantity, KeySide side, int index = 0) {
   auto own = keys.find(quantity, side, index);
   if (!own || *own != nullptr || side == KeySide::none) return own;
   return keys.find(quantity, KeySide::none, index);
@@ -211,7 +50,7 @@ Result<bool> read_focal_lengths(const Keys& keys, KeySide side, CameraCalibratio
   return true;
 }
 
-Result<void> read_matrix(const Entry& K, EyeParts& eye) {
+Result<void> read_matrix(const KeyEntry& K, EyeParts& eye) {
   if (K.numbers.size() == 4) {  // fx fy cx cy
     const std::vector<double>& v = K.numbers;
     return put_camera_matrix({v[0], 0, v[2], 0, v[1], v[3], 0, 0, 1}, K.where, eye);
@@ -346,7 +185,7 @@ Result<EyeParts> read_eye(const Keys& keys, KeySide side, const std::string& pat
   return eye;
 }
 
-Result<Eigen::Matrix3d> rotation_of(const Entry& R) {
+Result<Eigen::Matrix3d> rotation_of(const KeyEntry& R) {
   if (R.numbers.size() == 3) {  // as a rotation vector
     const Eigen::Vector3d turn(R.numbers[0], R.numbers[1], R.numbers[2]);
     if (turn.norm() > 4.0) return calibration_error("rotation vector is absurd", R.where);
@@ -503,7 +342,8 @@ bool is_keyed(const CalibrationText& file) {
 Result<StereoCalibration> read_keyed(const CalibrationText& file, const CalibrationRequest& request,
                                      const OtherFile& other) {
   Keys keys(*file.document);
-  const bool cameras = has_cameras(keys) || keys.has(Quantity::camera_matrix) || keys.has(Quantity::fx);
+  const bool projections = keys.has(Quantity::projection, KeySide::right);
+  const bool cameras = keys.has(Quantity::camera_matrix) || keys.has(Quantity::fx) || keys.has(Quantity::focal);
   if (cameras && has_pose(keys)) return rig_of(keys, file.path, request);
   // Cameras in one file, their pose in another.
   std::vector<std::string> paths;
@@ -513,6 +353,7 @@ Result<StereoCalibration> read_keyed(const CalibrationText& file, const Calibrat
     paths.push_back(replaced(file.path, to, from, 1));
   }
   const auto second = read_other(other, paths);
+  if (!second && projections && !keys.has(Quantity::translation)) return rig_of(keys, file.path, request);
   if (!second) {
     return cameras ? Error{"calibration lacks R and T between the eyes", file.path, "name the stereo file"}
                    : Error{"calibration lacks the camera matrices", file.path, "name the stereo file"};
