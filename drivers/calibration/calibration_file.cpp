@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "drivers/calibration/checks.h"
-#include "drivers/calibration/format.h"
+#include "drivers/calibration/formats.h"
 
 namespace cliquevo::drivers {
 
@@ -166,6 +166,11 @@ Result<StereoCalibration> parse_calibration(const std::string& text, const Calib
   if (file.broken) return *file.broken;
   for (const CalibrationFormat& format : calibration_formats()) {
     if (format.recognise(file)) return format.read(file, request, other);
+  }
+  if (!file.document) {  // lines "key: numbers" or "key = numbers" of nobody's format may still name what they are
+    CalibrationText plain(request.path, text);
+    if (auto lines = Document::parse_ini(text, request.path)) plain.document = std::move(*lines);
+    if (is_keyed(plain)) return read_keyed(plain, request, other);
   }
   return unknown_format(file);
 }

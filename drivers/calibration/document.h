@@ -15,15 +15,22 @@
 
 namespace cliquevo::drivers {
 
+struct DocumentEntry;
+
 struct DocumentNode {
   enum class Kind { absent, empty, scalar, list, map };
   Kind kind = Kind::absent;
   int line = 0;  // from 1; 0 = not known
   std::string scalar;
-  std::vector<DocumentNode> items;                            // of a list
-  std::vector<std::pair<std::string, DocumentNode>> entries;  // of a map, as they stand in the file
+  std::vector<DocumentNode> items;     // of a list
+  std::vector<DocumentEntry> entries;  // of a map, as they stand in the file
 
   const DocumentNode* find(std::string_view key) const;
+};
+
+struct DocumentEntry {
+  std::string name;
+  DocumentNode node;
 };
 
 class Document {

@@ -63,7 +63,7 @@ Result<DocumentNode> convert(const YAML::Node& node, const std::string& path, in
       if (!entry.first.IsScalar()) continue;
       Result<DocumentNode> inner = convert(entry.second, path, depth + 1, budget);
       if (!inner) return inner;
-      out.entries.emplace_back(entry.first.Scalar(), std::move(*inner));
+      out.entries.push_back({entry.first.Scalar(), std::move(*inner)});
     }
   } else {
     out.kind = Kind::empty;
@@ -136,7 +136,7 @@ class XmlParser {
         out.items.push_back(std::move(*inner));
       } else {
         out.kind = Kind::map;
-        out.entries.emplace_back(inner_name, std::move(*inner));
+        out.entries.push_back({inner_name, std::move(*inner)});
       }
     }
     const std::size_t stop = text_.find('>', at_);
@@ -204,7 +204,7 @@ Result<Document> Document::parse_ini(std::string_view text, const std::string& p
       DocumentNode node;
       node.kind = Kind::map;
       node.line = line.number;
-      root.entries.emplace_back(std::string(trim(line.text.substr(1, close - 1))), std::move(node));
+      root.entries.push_back({std::string(trim(line.text.substr(1, close - 1))), std::move(node)});
       section = root.entries.size();
       continue;
     }
@@ -214,8 +214,10 @@ Result<Document> Document::parse_ini(std::string_view text, const std::string& p
     value.kind = Kind::scalar;
     value.line = line.number;
     value.scalar = std::string(trim(line.text.substr(equals + 1)));
-    DocumentNode& map = section == 0 ? root : root.entries[section - 1].second;
-    map.entries.emplace_back(std::string(trim(line.text.substr(0, equals))), std::move(value));
+    std::replace_if(
+        value.scalar.begin(), value.scalar.end(), [](char c) { return c == '[' || c == ']' || c == ';'; }, ' ');
+    DocumentNode& map = section == 0 ? root : root.entries[section - 1].node;
+    map.entries.push_back({std::string(trim(line.text.substr(0, equals))), std::move(value)});
   }
   return of(std::move(root), path);
 }

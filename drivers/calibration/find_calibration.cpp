@@ -67,9 +67,7 @@ bool is_calibration(const fs::path& path) {
   return std::any_of(formats.begin(), formats.end(), [&](const CalibrationFormat& f) { return f.recognise(file); });
 }
 
-}  // namespace
-
-std::string find_calibration(const std::string& folder) {
+std::string find_in(const std::string& folder) {
   std::error_code ec;
   for (const char* name : kNames) {
     const fs::path file = fs::path(folder) / name;
@@ -91,6 +89,18 @@ std::string find_calibration(const std::string& folder) {
               files.end());
   if (files.empty()) return {};
   return files.size() == 1 ? files.front() : folder;
+}
+
+}  // namespace
+
+std::string find_calibration(const std::string& folder) {
+  std::string found = find_in(folder);
+  std::error_code ec;
+  for (const char* name : {"calibration", "Calibration", "calib", "camera_info"}) {
+    const fs::path inner = fs::path(folder) / name;
+    if (found.empty() && fs::is_directory(inner, ec)) found = find_in(inner.string());
+  }
+  return found;
 }
 
 }  // namespace cliquevo::drivers

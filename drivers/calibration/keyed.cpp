@@ -111,18 +111,30 @@ Result<void> read_terms(const Keys& keys, KeySide side, EyeParts& eye) {
   return {};
 }
 
-Result<void> read_lens(const Keys& keys, KeySide side, EyeParts& eye) {
-  const auto lens = own_or_common(keys, Quantity::lens, side);
-  if (!lens) return lens.error();
-  if (*lens != nullptr) {
+// The model's name. Words that name no lens ("type: stereo") count only where the key says distortion, and a rectified
+// camera's "perspective" not beside the raw ones' lens.
+Result<std::string> lens_name(const Keys& keys, KeySide side) {
+  std::string lens;
+  for (const KeyEntry* entry : keys.lenses(side)) {
     CameraCalibration unused;
-    const std::string& word = (*lens)->word;
-    const bool known = set_distortion(word, {0, 0, 0, 0}, "", unused).ok();
-    const bool plain = word.size() < 12 && (word == "pinhole" || word == "PinHole" || word == "perspective");
-    // Words that name no lens ("type: stereo") count only where the key says distortion.
-    if (!plain && (known || (*lens)->key.find("istort") != std::string::npos)) eye.lens = word;
-    if (plain) eye.lens.clear();
+    const std::string& word = entry->word;
+    const bool plain = word == "pinhole" || word == "PinHole" || word == "Pinhole" || word == "perspective";
+    const bool known =
+        set_distortion(word, {0, 0, 0, 0}, "", unused).ok() || set_distortion(word, {0, 0}, "", unused).ok();
+    if (plain || (!known && entry->key.find("istort") == std::string::npos)) continue;
+    if (!lens.empty() && lens != word) {
+      return Error{"calibration names two lens models", entry->where,
+                   "leave one of " + printable(lens) + " and " + printable(word.substr(0, 32))};
+    }
+    lens = word;
   }
+  return lens;
+}
+
+Result<void> read_lens(const Keys& keys, KeySide side, EyeParts& eye) {
+  const auto lens = lens_name(keys, side);
+  if (!lens) return lens.error();
+  eye.lens = *lens;
   const auto D = own_or_common(keys, Quantity::distortion, side);
   if (!D) return D.error();
   eye.D_where = eye.where;

@@ -52,6 +52,15 @@ Result<const KeyEntry*> Keys::find(Quantity quantity, KeySide side, int index) c
   return found;
 }
 
+std::vector<const KeyEntry*> Keys::lenses(KeySide side) const {
+  std::vector<const KeyEntry*> out;
+  for (const KeyEntry& entry : entries_) {
+    const KeyMeaning& m = entry.meaning;
+    if (m.quantity == Quantity::lens && (m.side == side || m.side == KeySide::none)) out.push_back(&entry);
+  }
+  return out;
+}
+
 bool Keys::has(Quantity quantity, KeySide side) const {
   return std::any_of(entries_.begin(), entries_.end(), [&](const KeyEntry& entry) {
     return entry.meaning.quantity == quantity && entry.meaning.side == side;

@@ -78,7 +78,7 @@ std::vector<Document> ost_eyes(std::string_view text, const std::string& path) {
       if (line.text == "[image]" || eye.find("camera_matrix") != nullptr) {
         const DocumentNode* width = eye.find("width");
         const DocumentNode* height = eye.find("height");
-        std::vector<std::pair<std::string, DocumentNode>> size;
+        std::vector<DocumentEntry> size;
         if (width != nullptr && height != nullptr) size = {{"width", *width}, {"height", *height}};
         finish();
         if (line.text != "[image]") eye.entries = std::move(size);
@@ -93,11 +93,11 @@ std::vector<Document> ost_eyes(std::string_view text, const std::string& path) {
       DocumentNode value;
       value.kind = DocumentNode::Kind::scalar;
       value.line = line.number;
-      if (eye.entries.size() < 100) eye.entries.emplace_back(std::move(key), std::move(value));
+      if (eye.entries.size() < 100) eye.entries.push_back({std::move(key), std::move(value)});
       continue;
     }
     if (eye.entries.empty()) continue;
-    std::string& value = eye.entries.back().second.scalar;
+    std::string& value = eye.entries.back().node.scalar;
     if (value.size() > 10000) continue;
     value += ' ';
     value += line.text;

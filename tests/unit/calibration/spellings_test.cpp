@@ -177,6 +177,33 @@ TEST(spellings, stella_vslam_rectifier) {
   EXPECT_NEAR(c->prescribed->model.fx_px, rig.P1(0, 0), 1e-9);
 }
 
+TEST(spellings, plain_lines_of_nobodys_format) {
+  const test::Rig rig = test::make_rig();
+  const std::string dir = test::scratch_dir();
+  for (const char* between : {": ", " = ", "="}) {
+    const auto line = [&](const char* key, const std::string& numbers) {
+      return fmt::format("{}{}[{}]\n", key, between, numbers);
+    };
+    const std::string text = line("K_left", list_of(rig.K_left)) + line("D_left", list_of(rig.D_left)) +
+                             line("K_right", list_of(rig.K_right)) + line("D_right", list_of(rig.D_right)) +
+                             line("R", list_of(Eigen::MatrixXd(rig.T_right_left.R))) +
+                             line("T", list_of(Eigen::MatrixXd(rig.T_right_left.t)));
+    expect_rig(read_calibration(write_file(dir + "/rig.txt", text), 640, 480), rig, between);
+  }
+}
+
+TEST(spellings, a_fisheye_named_beside_the_rectified_perspective) {
+  const std::string text =
+      "Camera:\n  model: perspective\n  fx: 280\n  fy: 280\n  cx: 320\n  cy: 240\n  focal_x_baseline: 28\n"
+      "StereoRectifier:\n  model: fisheye\n  K_left: [280, 0, 320, 0, 280, 240, 0, 0, 1]\n  D_left: [-0.003, 0.002, "
+      "0.001, 0.0005]\n  R_left: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n  K_right: [280, 0, 320, 0, 280, 240, 0, 0, 1]\n"
+      "  D_right: [-0.003, 0.002, 0.001, 0.0005]\n  R_right: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n";
+  const auto c = read_calibration(write_file(test::scratch_dir() + "/stella.yaml", text), 640, 480);
+  ASSERT_TRUE(c.ok()) << c.error().line();
+  EXPECT_EQ(c->left.distortion, Distortion::equidistant);
+  EXPECT_NEAR(c->prescribed->model.baseline_m, 0.1, 1e-9);
+}
+
 TEST(spellings, the_same_said_twice_and_differently_is_an_error) {
   test::Rig rig = test::make_rig();
   const std::string first = file_of(rig, {"K1", "K2", "D1", "D2", "R", "T"});

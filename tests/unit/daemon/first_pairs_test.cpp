@@ -2,12 +2,12 @@
 // Live cameras whose first pairs contradict their calibration are told of, once, and delivered all the same.
 #include "daemon/first_pairs.h"
 
-#include <cmath>
 #include <mutex>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/noise_picture.h"
 #include "tests/unit/drivers/made_up_source.h"
 
 namespace cliquevo::daemon {
@@ -42,22 +42,10 @@ class Wall final : public drivers::FrameSource {
   }
 
  private:
-  static Image<std::uint8_t> picture(double shift) {
-    Image<std::uint8_t> out(640, 480);
-    for (int y = 0; y < 480; ++y) {
-      for (int x = 0; x < 640; ++x) {
-        const double u = x + shift;
-        const double v = std::sin(0.31 * u + 2.0 * std::sin(0.05 * y)) + std::sin(0.23 * y + 3.0 * std::sin(0.04 * u)) +
-                         std::sin(0.11 * u * std::sin(0.013 * y));
-        out.view()(x, y) = static_cast<std::uint8_t>(128.0 + 40.0 * v);
-      }
-    }
-    return out;
-  }
   drivers::SourceInfo info_;
   std::int64_t index_ = 0;
-  Image<std::uint8_t> left_ = picture(0.0);
-  Image<std::uint8_t> right_ = picture(12.0);
+  Image<std::uint8_t> left_ = test::noise_picture(640, 480, 0.0, 0.0);
+  Image<std::uint8_t> right_ = test::noise_picture(640, 480, 12.0, 0.0);
 };
 
 std::vector<std::string> told(bool rectified, bool live) {

@@ -74,7 +74,7 @@ TEST(bad_calibration, of_another_size_is_found_where_the_file_tells_none) {
   const std::string text = test::kitti_calibration(100.0, 31.5, 31.5, 0.5);  // for 64x48
   const std::vector<std::string> sizes{"another image size", "about 63x47"};
   expect_bad_text("calib.txt", text, sizes, 34, 48);
-  expect_bad_text("calib.txt", text, sizes, 90, 67);  // by a factor that no camera has
+  expect_bad_text("calib.txt", text, sizes, 110, 83);  // by a factor that no camera has
   // Cropped in height, as recordings of roads are: not another size.
   const std::string path = write_file(test::scratch_dir() + "/calib.txt", text);
   EXPECT_TRUE(read_calibration(path, 64, 26).ok());
