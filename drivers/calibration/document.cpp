@@ -17,7 +17,8 @@ constexpr double kMostValue = 1e9;          // nothing that a calibration tells 
 
 const DocumentNode kAbsent;
 
-std::string place(const std::string& path, const DocumentNode& node, std::string_view key) {
+std::string place(const std::string& path, const DocumentNode& node, std::string_view raw_key) {
+  const std::string key = printable(raw_key.substr(0, 64));
   return node.line > 0 ? fmt::format("{}:{} ({})", path, node.line, key) : fmt::format("{} ({})", path, key);
 }
 

@@ -107,7 +107,8 @@ void Keys::leaf(const DocumentNode& node, const std::string& file, const std::st
                 const std::vector<std::string>& path) {
   KeyEntry entry;
   entry.key = key;
-  entry.where = node.line > 0 ? fmt::format("{}:{} ({})", file, node.line, key) : fmt::format("{} ({})", file, key);
+  const std::string shown = printable(key.substr(0, 64));
+  entry.where = node.line > 0 ? fmt::format("{}:{} ({})", file, node.line, shown) : fmt::format("{} ({})", file, shown);
   const Result<std::vector<double>> numbers = numbers_of(node, entry.where);
   if (numbers) {
     entry.numbers = *numbers;

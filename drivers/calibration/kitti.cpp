@@ -122,7 +122,8 @@ std::set<std::string> cameras_of(const std::vector<TextLine>& lines) {
   std::set<std::string> out;
   for (const TextLine& line : lines) {
     const std::string_view key = trim(line.text.substr(0, line.text.find(':')));
-    if (key.substr(0, 7) == "P_rect_") out.insert(std::string(key.substr(7)));
+    const bool number = key.size() > 7 && key.find_first_not_of("0123456789", 7) == std::string_view::npos;
+    if (number && key.substr(0, 7) == "P_rect_") out.insert(std::string(key.substr(7)));
   }
   return out;
 }

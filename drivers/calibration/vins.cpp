@@ -87,7 +87,7 @@ Result<StereoCalibration> read_vins(const CalibrationText& file, const Calibrati
     T_body_eye[eye] = *T;
     const std::string key = fmt::format("cam{}_calib", eye);
     const std::string name = file.document->word(key);
-    if (name.empty() || name.find('/') != std::string::npos) {
+    if (name.empty() || name.find('/') != std::string::npos || printable(name) != name) {
       return Error{"calibration names no file of intrinsics", file.document->where(key),
                    "name the file beside this one that has them"};
     }
