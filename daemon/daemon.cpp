@@ -17,6 +17,7 @@
 #include "daemon/commands.h"
 #include "daemon/config.h"
 #include "daemon/effective_config.h"
+#include "daemon/first_pairs.h"
 #include "daemon/health.h"
 #include "daemon/log.h"
 #include "daemon/pipeline.h"
@@ -59,6 +60,7 @@ void describe(const drivers::SourceInfo& source, const RectifiedSize& size, cons
   spdlog::info(drivers::describe_source(source));
   const std::string chosen = describe(size, source);
   if (!chosen.empty()) spdlog::log(size.fits ? spdlog::level::info : spdlog::level::warn, chosen);
+  for (const std::string& note : source.calibration.notes) spdlog::warn("calibration: {}", note);
   const std::string lines = drivers::describe_geometry(model);
   std::size_t begin = 0;
   while (begin < lines.size()) {
@@ -295,7 +297,8 @@ int run(const DaemonOptions& options) {
   pipeline_options.catch_up_frames = config->realtime.catch_up_frames;
   const std::string description = info.description;
   const bool info_live = info.live;
-  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(shop.source), recording));
+  auto examined = examine_first_pairs(std::move(shop.source), [](const std::string& line) { spdlog::warn(line); });
+  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(examined), recording));
   if (!pipeline) return report(pipeline.error()), kBadInput;
   for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
 

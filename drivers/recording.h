@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "drivers/calibration_file.h"
 #include "drivers/frame_source.h"
 #include "drivers/images/bayer.h"
 
@@ -15,7 +16,8 @@ namespace cliquevo::drivers {
 
 struct RecordingOptions {
   std::string path;
-  std::string calibration;                 // file; empty = the recording's own
+  std::string calibration;  // file; empty = the recording's own
+  CalibrationOptions calibration_options;
   std::optional<double> rate_hz;           // gives the stamps, whatever times are there
   std::int64_t first = 0;                  // first pair to play
   std::int64_t last = -1;                  // last pair to play, -1 = the last there is

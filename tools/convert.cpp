@@ -177,8 +177,7 @@ void add_convert_command(CLI::App& app, int& exit_code) {
                    "source holds")
       ->check(CLI::IsMember({"log", "kitti", "euroc"}))
       ->type_name("FORM");
-  convert->add_option("--calibration", arguments->source.calibration, "Calibration instead of the recording's own")
-      ->type_name("FILE");
+  add_calibration_options(*convert, arguments->source);
   convert
       ->add_option_function<double>(
           "--rate", [arguments](double hz) { arguments->source.rate_hz = hz; },

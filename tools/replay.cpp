@@ -200,8 +200,7 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
                   "folder: told "
                   "apart by what is in it), an LCM log, sim, or sim:key=value,...")
       ->required();
-  replay.add_option("--calibration", source.calibration, "Calibration instead of the recording's own")
-      ->type_name("FILE");
+  add_calibration_options(replay, source);
   replay.add_option_function<double>("--rate", into(source.rate_hz), "Pairs a second, whatever times are there")
       ->check(CLI::PositiveNumber)
       ->type_name("HZ");

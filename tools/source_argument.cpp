@@ -3,6 +3,8 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "drivers/eye_watch.h"
 #include "drivers/recording.h"
 #include "drivers/simulator.h"
@@ -32,6 +34,10 @@ Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument
   options.path = argument.text;
   options.pingpong = false;
   if (!argument.calibration.empty()) options.calibration = argument.calibration;
+  const drivers::CalibrationOptions& said = argument.calibration_options;
+  if (said.baseline_unit_m > 0.0) options.calibration_options.baseline_unit_m = said.baseline_unit_m;
+  if (said.rectified) options.calibration_options.rectified = true;
+  if (!said.lens.empty()) options.calibration_options.lens = said.lens;
   if (argument.rate_hz) options.rate_hz = argument.rate_hz;
   if (argument.first) options.first = *argument.first;
   if (argument.last) options.last = *argument.last;
@@ -40,10 +46,33 @@ Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument
   if (argument.bayer) options.bayer = *argument.bayer;
   if (!argument.channel.empty()) options.channel = argument.channel;
   options.side_by_side = options.side_by_side || argument.side_by_side;
-  return drivers::open_recording(options);
+  auto recording = drivers::open_recording(options);
+  if (recording) {
+    for (const std::string& note : (*recording)->info().calibration.notes)
+      fmt::print(stderr, "calibration: {}\n", note);
+  }
+  return recording;
 }
 
 }  // namespace
+
+void add_calibration_options(CLI::App& command, SourceArgument& source) {
+  command.add_option("--calibration", source.calibration, "Calibration instead of the recording's own")
+      ->type_name("FILE");
+  command
+      .add_option(
+          "--baseline-unit", source.calibration_options.baseline_unit_m,
+          "Metres a unit of the calibration's lengths: 0.025 for squares of 25 mm, 1 for metres in spite of all")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->type_name("M");
+  command.add_flag("--rectified", source.calibration_options.rectified,
+                   "The images are rectified by this calibration already");
+  command
+      .add_option("--lens", source.calibration_options.lens,
+                  "What four distortion terms without a name are: plumb_bob or equidistant (OpenCV's fisheye)")
+      ->check(CLI::IsMember({"plumb_bob", "equidistant"}))
+      ->type_name("MODEL");
+}
 
 bool is_simulator(const std::string& source) {
   return source == kSimulator || source.starts_with(std::string(kSimulator) + ":");
@@ -52,10 +81,10 @@ bool is_simulator(const std::string& source) {
 Result<void> check_source(const SourceArgument& argument) {
   if (is_simulator(argument.text)) {
     if (argument.is_for_recordings()) {
-      return Error{
-          "wrong usage", argument.text,
-          "--calibration, --rate, --first, --last, --every, --pair-tolerance, --bayer, --channel and --side-by-side "
-          "are for recordings; the simulator takes sim:frames=N,every=K,rate_hz=R"};
+      return Error{"wrong usage", argument.text,
+                   "--calibration and its options, --rate, --first, --last, --every, --pair-tolerance, --bayer, "
+                   "--channel and --side-by-side "
+                   "are for recordings; the simulator takes sim:frames=N,every=K,rate_hz=R"};
     }
     if (argument.text == kSimulator) return {};
     const auto parsed = drivers::parse_simulator_options(argument.text.substr(4));

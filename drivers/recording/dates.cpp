@@ -3,7 +3,7 @@
 
 #include <chrono>
 
-#include "drivers/recording/text_file.h"
+#include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
 

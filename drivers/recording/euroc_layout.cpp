@@ -2,7 +2,7 @@
 // EuRoC folders: mav0/cam0 and mav0/cam1 with data.csv, sensor.yaml and data/; the mav0 folder itself will do.
 #include <filesystem>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
 #include "drivers/recording/layout.h"
 
 namespace cliquevo::drivers {

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/stamps.h"
 

@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <system_error>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
 
 namespace cliquevo::drivers {
 

@@ -8,7 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/checks.h"
+#include "drivers/masks.h"
 #include "drivers/recording/calibration_message.h"
 #include "drivers/recording/event_log.h"
 #include "drivers/recording/image_reader.h"
@@ -310,6 +311,10 @@ Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& f
 
   const auto size = size_of_first(contents);
   if (!size) return size.error();
+  if (options.calibration.empty() && !options.calibration_options.empty()) {
+    return Error{"log has its calibration in it", options.path,
+                 "baseline unit, lens and rectified are for a calibration file: name it, or leave them out"};
+  }
   SourceInfo info;
   if (!options.calibration.empty()) {
     if (!contents.calibrations.empty()) info = std::move(contents.calibrations.front());
@@ -317,7 +322,15 @@ Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& f
     request.path = options.calibration;
     request.width = size->first;
     request.height = size->second;
-    auto calibration = read_calibration(request);
+    request.options = options.calibration_options;
+    std::vector<EventLogReader> again;
+    for (const EventLogReader& log : contents.files) {
+      auto reader = EventLogReader::open(log.path());
+      if (!reader) return reader.error();
+      again.push_back(std::move(*reader));
+    }
+    LoggedPairs store(std::move(again), contents.pairs, *chosen, size->first, size->second);
+    auto calibration = calibrate(request, store);
     if (!calibration) return calibration.error();
     info.calibration = std::move(*calibration);
   } else {
@@ -334,7 +347,7 @@ Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& f
   info.frame_count = options.pingpong ? -1 : static_cast<std::int64_t>(contents.pairs.size());
   info.description = describe_log(options, files.size(), contents.damage);
   if (!options.left_mask.empty() || !options.right_mask.empty()) {
-    if (auto ok = read_masks(options, "", info); !ok) return ok.error();
+    if (auto ok = read_masks(options.left_mask, options.right_mask, "", info); !ok) return ok.error();
   }
   auto store = std::make_unique<LoggedPairs>(std::move(contents.files), std::move(contents.pairs), *chosen, info.width,
                                              info.height);

@@ -5,8 +5,8 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdlib>
-#include <filesystem>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -15,7 +15,7 @@
 
 #include "core/base/caught.h"
 #include "core/base/saturating.h"
-#include "drivers/recording/image_reader.h"
+#include "drivers/calibration/examine.h"
 #include "drivers/recording/image_survey.h"
 #include "drivers/recording/pairing.h"
 
@@ -197,27 +197,6 @@ Result<void> check_options(const RecordingOptions& o) {
   return {};
 }
 
-Result<void> read_mask(const std::string& given, const std::string& root, const char* name, SourceInfo& info,
-                       Image<std::uint8_t>& mask) {
-  std::error_code ec;
-  std::string path = given;
-  if (path.empty()) {
-    if (root.empty()) return {};
-    path = (std::filesystem::path(root) / name).string();
-    if (!std::filesystem::exists(path, ec)) return {};
-  }
-  ImageReader reader;
-  if (auto ok = reader.read(path, mask); !ok) {
-    return Error{"cannot read mask", path, ok.error().remedy};
-  }
-  if (mask.width() != info.width || mask.height() != info.height) {
-    return Error{"mask has another size than the images", path,
-                 fmt::format("it is {}x{}, the images are {}x{}: draw it on an image of this recording", mask.width(),
-                             mask.height(), info.width, info.height)};
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const RecordingOptions& o) {
@@ -233,9 +212,20 @@ Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const Recordi
   return chosen;
 }
 
-Result<void> read_masks(const RecordingOptions& options, const std::string& root, SourceInfo& info) {
-  if (auto ok = read_mask(options.left_mask, root, "mask_left.png", info, info.left_mask); !ok) return ok;
-  return read_mask(options.right_mask, root, "mask_right.png", info, info.right_mask);
+Result<StereoCalibration> calibrate(const CalibrationRequest& request, PairStore& store) {
+  std::vector<StereoPair> pairs;
+  const std::int64_t last = store.size() - 1;
+  for (const std::int64_t i : std::set<std::int64_t>{0, last / 2, last}) {
+    StereoPair pair;
+    if (i < 0 || !store.load(i, pair)) continue;  // next()'s to report
+    if (pair.left.width() == request.width && pair.left.height() == request.height &&
+        pair.right.width() == request.width && pair.right.height() == request.height) {
+      pairs.push_back(std::move(pair));
+    }
+  }
+  std::vector<ImagePairView> views;
+  for (const StereoPair& pair : pairs) views.push_back({pair.left.cview(), pair.right.cview()});
+  return read_calibration_for(request, views);
 }
 
 double rate_of(const RisingStamps& stamps) {

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "core/base/result.h"
+#include "drivers/calibration/calibration.h"
 #include "drivers/frame_source.h"
 #include "drivers/recording.h"
 #include "drivers/recording/stamps.h"
@@ -34,11 +35,12 @@ std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, Rising
 // Rate of the pairs that are played; 0 = unknown.
 double rate_of(const RisingStamps& stamps);
 
+// A calibration for the store's pairs (drivers/calibration/examine.h), of which it looks at the first, middle and last.
+Result<StereoCalibration> calibrate(const CalibrationRequest& request, PairStore& store);
+
 // A log or a folder of logs (drivers/recording/log_recording.cpp).
 Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& files, const RecordingOptions& options);
 // The logs that a path means: itself, or those in the folder; empty = it means something else.
 std::vector<std::string> find_logs(const std::string& path);
-
-Result<void> read_masks(const RecordingOptions& options, const std::string& root, SourceInfo& info);
 
 }  // namespace cliquevo::drivers

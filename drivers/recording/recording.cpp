@@ -7,13 +7,14 @@
 
 #include <fmt/format.h>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
+#include "drivers/masks.h"
 #include "drivers/recording/image_reader.h"
 #include "drivers/recording/image_survey.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/pair_store.h"
 #include "drivers/recording/pairing.h"
-#include "drivers/recording/text_file.h"
+#include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
 
@@ -167,14 +168,15 @@ Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& opti
   request.height = info.height;
   request.left_camera = layout->left_camera;
   request.right_camera = layout->right_camera;
-  Result<StereoCalibration> calibration = read_calibration(request);
-  if (!calibration) return calibration.error();
-  info.calibration = std::move(*calibration);
-  if (auto ok = read_masks(options, layout->root, info); !ok) return ok.error();
+  request.options = options.calibration_options;
   const DepthSurvey depth = survey_depth(pairs);
   if (depth.deep) info.description += ", " + describe_depth(depth);
   auto store = std::make_unique<ImageFiles>(std::move(pairs), layout->side_by_side, info.width, info.height);
   if (depth.deep) store->set_shift(depth.shift);
+  Result<StereoCalibration> calibration = calibrate(request, *store);
+  if (!calibration) return calibration.error();
+  info.calibration = std::move(*calibration);
+  if (auto ok = read_masks(options.left_mask, options.right_mask, layout->root, info); !ok) return ok.error();
   return play_pairs(std::move(store), std::move(*stamps), std::move(info), options);
 }
 

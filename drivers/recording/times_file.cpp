@@ -9,8 +9,8 @@
 #include <fmt/format.h>
 
 #include "drivers/recording/dates.h"
-#include "drivers/recording/text_file.h"
 #include "drivers/recording/times_rows.h"
+#include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
 

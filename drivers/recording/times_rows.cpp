@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "drivers/recording/dates.h"
-#include "drivers/recording/text_file.h"
+#include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
 

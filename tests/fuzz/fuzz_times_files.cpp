@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "drivers/recording/stamps.h"
-#include "drivers/recording/text_file.h"
 #include "drivers/recording/times_file.h"
+#include "drivers/text_file.h"
 #include "tests/fuzz/expect.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
 #include "drivers/recording/stamps.h"
-#include "drivers/recording/text_file.h"
 #include "drivers/recording/times_file.h"
+#include "drivers/text_file.h"
 
 namespace cliquevo::fuzz {
 
@@ -55,9 +55,10 @@ std::string parse_calibration_text(const std::string& name, const std::string& t
   request.path = "/made/up/" + name;
   request.width = 640;
   request.height = 480;
-  const auto c = drivers::parse_calibration(text, request, [&](drivers::FilePair) -> Result<drivers::NamedText> {
-    return drivers::NamedText{request.path + ".other", text};
-  });
+  const auto c =
+      drivers::parse_calibration(text, request, [&](const std::vector<std::string>&) -> Result<drivers::NamedText> {
+        return drivers::NamedText{request.path + ".other", text};
+      });
   return c.ok() ? judge(*c) : judge(c.error());
 }
 

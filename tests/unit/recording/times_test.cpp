@@ -6,8 +6,8 @@
 
 #include "drivers/recording.h"
 #include "drivers/recording/stamps.h"
-#include "drivers/recording/text_file.h"
 #include "drivers/recording/times_file.h"
+#include "drivers/text_file.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/recording/fixtures.h"
 
