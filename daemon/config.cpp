@@ -348,6 +348,7 @@ Result<void> Config::check() const {
     static_assert(rt::Handover::kMostBacklog == 31);
     return own_range("realtime.catch_up_frames", "give 0 to 31");
   }
+  if (auto ok = in_section("source.recording", source.recording.calibration_options.check()); !ok) return ok;
   if (auto ok = in_section("source.cameras", source.cameras.check()); !ok) return ok;
   if (source.is_live()) {
     if (auto ok = in_section("source.cameras", source.cameras.check_names()); !ok) return ok;

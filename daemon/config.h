@@ -26,6 +26,7 @@ struct SourceConfig {
   drivers::RecordingOptions recording;
   drivers::CameraOptions cameras;
   std::string loop = "none";  // none, pingpong (recordings: forward, then backward, without end)
+  bool swap_eyes = false;     // left and right come exchanged, in files or cabling
   double speed = 1.0;         // times recorded pace; 0 = as fast as possible
 
   bool is_live() const { return type != "simulator" && type != "recording"; }

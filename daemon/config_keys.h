@@ -19,15 +19,21 @@ void visit_config_keys(C& c, Visitor& v) {
             {"libcamera", "libcamera"}});
   v.choice("source.loop", c.source.loop, {{"none", "none"}, {"pingpong", "pingpong"}});
   v.key("source.speed", c.source.speed);
+  v.key("source.swap_eyes", c.source.swap_eyes);
 
   auto& recording = c.source.recording;
   v.file("source.recording.path", recording.path);
   v.file("source.recording.calibration", recording.calibration);
+  v.key("source.recording.baseline_unit", recording.calibration_options.baseline_unit_m);
+  v.key("source.recording.rectified", recording.calibration_options.rectified);
+  v.key("source.recording.lens", recording.calibration_options.lens);
   v.key("source.recording.rate_hz", recording.rate_hz);
   v.key("source.recording.first", recording.first);
   v.key("source.recording.last", recording.last);
   v.key("source.recording.every", recording.every);
   v.key("source.recording.pair_tolerance_s", recording.pair_tolerance_s);
+  v.key("source.recording.side_by_side", recording.side_by_side);
+  v.key("source.recording.channel", recording.channel);
   v.file("source.recording.left_mask", recording.left_mask);
   v.file("source.recording.right_mask", recording.right_mask);
   v.choice("source.recording.bayer", recording.bayer,
@@ -42,6 +48,9 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("source.cameras.left", cameras.left);
   v.key("source.cameras.right", cameras.right);
   v.file("source.cameras.calibration", cameras.calibration);
+  v.key("source.cameras.baseline_unit", cameras.calibration_options.baseline_unit_m);
+  v.key("source.cameras.rectified", cameras.calibration_options.rectified);
+  v.key("source.cameras.lens", cameras.calibration_options.lens);
   v.key("source.cameras.rate_hz", cameras.rate_hz);
   v.key("source.cameras.width", cameras.width);
   v.key("source.cameras.height", cameras.height);

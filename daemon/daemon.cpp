@@ -17,6 +17,7 @@
 #include "daemon/commands.h"
 #include "daemon/config.h"
 #include "daemon/effective_config.h"
+#include "daemon/first_pairs.h"
 #include "daemon/health.h"
 #include "daemon/log.h"
 #include "daemon/pipeline.h"
@@ -59,6 +60,7 @@ void describe(const drivers::SourceInfo& source, const RectifiedSize& size, cons
   spdlog::info(drivers::describe_source(source));
   const std::string chosen = describe(size, source);
   if (!chosen.empty()) spdlog::log(size.fits ? spdlog::level::info : spdlog::level::warn, chosen);
+  for (const std::string& note : source.calibration.notes) spdlog::warn("calibration: {}", note);
   const std::string lines = drivers::describe_geometry(model);
   std::size_t begin = 0;
   while (begin < lines.size()) {
@@ -144,8 +146,12 @@ void reload(const DaemonOptions& options, Config& in_force, Output& output, Reco
 // What the user should know of the rig, once each.
 class Advice {
  public:
-  void give(const Findings& findings) {
+  void give(const Findings& findings, const std::string& source_finding) {
     const auto [calibration, vehicle_part] = findings.read();
+    if (!source_finding.empty()) {
+      if (!std::exchange(source_told_, true)) spdlog::warn(source_finding);
+      return;  // what else the images seem to say rests on it
+    }
     if (calibration.noticeable() && !std::exchange(calibration_told_, true)) spdlog::warn(vo::describe(calibration));
     if (vehicle_part.frames > 0 && !std::exchange(view_told_, true)) spdlog::warn(vo::describe(vehicle_part));
   }
@@ -153,14 +159,16 @@ class Advice {
  private:
   bool calibration_told_ = false;
   bool view_told_ = false;
+  bool source_told_ = false;
 };
 
 // Once a second.
-void tell(Health& health, Output& output, Recording& recording, Commands& commands, Advice& advice, Service& service) {
+void tell(Health& health, const Pipeline& pipeline, Output& output, Recording& recording, Commands& commands,
+          Advice& advice, Service& service) {
   const health_t& message = health.update(monotonic_ns(), recording.status(), commands.incidents().text());
   output.publisher.publish(message);
   commands.set_status(message);
-  advice.give(output.findings);
+  advice.give(output.findings, pipeline.source_finding());
   service.status(health.status_text());
   spdlog::debug(health.status_text());
 }
@@ -190,7 +198,7 @@ void watch(Pipeline& pipeline, Output& output, Recording& recording, Commands& c
     const std::int64_t now_ns = monotonic_ns();
     if (now_ns >= next_report_ns) {
       next_report_ns += kSecondNs * (1 + (now_ns - next_report_ns) / kSecondNs);
-      unharmed([&] { tell(health, output, recording, commands, advice, service); });
+      unharmed([&] { tell(health, pipeline, output, recording, commands, advice, service); });
     }
     if (health.ready()) service.ready();
   }
@@ -280,6 +288,7 @@ int run(const DaemonOptions& options) {
   work.output = [&output](const PublishedFrame& frame) { output(frame); };
   PipelineOptions pipeline_options;
   pipeline_options.speed = config->source.speed;
+  pipeline_options.errors_are_final = config->source.type != "recording";  // a torn pair is skipped and counted
   pipeline_options.stereo.cpu = config->realtime.stereo_cpu;
   pipeline_options.stereo.fifo_priority = config->realtime.stereo_priority;
   pipeline_options.odometry.cpu = config->realtime.odometry_cpu;
@@ -287,7 +296,9 @@ int run(const DaemonOptions& options) {
   pipeline_options.output.fifo_priority = config->realtime.output_priority;
   pipeline_options.catch_up_frames = config->realtime.catch_up_frames;
   const std::string description = info.description;
-  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(shop.source), recording));
+  const bool info_live = info.live;
+  auto examined = examine_first_pairs(std::move(shop.source), [](const std::string& line) { spdlog::warn(line); });
+  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(examined), recording));
   if (!pipeline) return report(pipeline.error()), kBadInput;
   for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
 
@@ -307,6 +318,8 @@ int run(const DaemonOptions& options) {
   const PipelineCounts counts = pipeline->counts();
   spdlog::info("{} frames: {} poses sent ({} valid), {} dropped, {} rejected", counts.grabbed, counts.published,
                output.sent.valid.load(), counts.dropped, counts.rejected);
+  if (!info_live && counts.source_errors > 0) spdlog::warn("{} pairs of the recording skipped", counts.source_errors);
+  if (const std::string finding = pipeline->source_finding(); !finding.empty()) spdlog::warn(finding);
   int exit_code = kDone;
   if (output.trajectory) {
     if (const auto ok = output.trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);

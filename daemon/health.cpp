@@ -95,9 +95,11 @@ void Health::fill_latencies(health_t& out) {
 
 void Health::fill_findings(health_t& out) const {
   const auto [calibration, vehicle_part] = findings_.read();
-  out.calibration_text = vo::describe(calibration);
+  // What the calibration seems to be off by means nothing then.
+  const std::string finding = pipeline_.source_finding();
+  out.calibration_text = finding.empty() ? vo::describe(calibration) : "not checked: " + finding;
   out.view_text = vo::describe(vehicle_part);
-  const bool known = calibration.frames > 0;
+  const bool known = calibration.frames > 0 && finding.empty();
   for (int i = 0; i < 3; ++i) {
     out.right_eye_deg[i] = known ? calibration.rotation_deg[i] : 0.0;
     out.right_eye_sigma_deg[i] = known ? calibration.rotation_sigma_deg[i] : 0.0;

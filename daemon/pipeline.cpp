@@ -202,9 +202,9 @@ void Pipeline::Impl::grab_all() {
       source_errors.fetch_add(1, std::memory_order_relaxed);
       if (options.errors_are_final) {
         fail(more.error());
-      } else {
+      } else if (live) {
         sleep_until(monotonic_ns() + kRetryNs);
-      }
+      }  // a recording goes on behind the pair that it cannot deliver
       continue;
     }
     if (!*more) break;
@@ -424,6 +424,7 @@ Result<void> Pipeline::outcome() const {
 std::int64_t Pipeline::standing_still_ns(Stage stage) const { return impl_->progress(stage).standing_still_ns(); }
 
 std::string Pipeline::source_status() const { return impl_->source->status(); }
+std::string Pipeline::source_finding() const { return impl_->source->finding(); }
 
 const rt::Histogram& Pipeline::histogram(Span span) const { return impl_->span(span); }
 

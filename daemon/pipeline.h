@@ -83,6 +83,8 @@ class Pipeline {
   const rt::Histogram& histogram(Span span) const;
   // The source's own word on how it gets on; empty = nothing to tell.
   std::string source_status() const;
+  // What the images show to be wrong with the source; empty = nothing.
+  std::string source_finding() const;
   // Rights the threads were not granted, a line a thread; empty = all granted.
   std::vector<std::string> shortfalls() const;
 

@@ -179,6 +179,8 @@ class Recorded final : public drivers::FrameSource {
   }
   void interrupt() override { source_->interrupt(); }
   std::string status() const override { return source_->status(); }
+  std::string finding() const override { return source_->finding(); }
+  std::string queues() const override { return source_->queues(); }
 
  private:
   std::unique_ptr<drivers::FrameSource> source_;

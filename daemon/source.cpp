@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/saturating.h"
+#include "drivers/eye_watch.h"
 #include "drivers/recording.h"
 #ifdef CLIQUEVO_ARAVIS
 #include "drivers/aravis.h"
@@ -137,8 +138,10 @@ Result<std::unique_ptr<FrameSource>> open_source_within(const SourceConfig& conf
   }
 }
 
-Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config, drivers::OpenTrouble& trouble) {
-  trouble = drivers::OpenTrouble::lasting;
+namespace {
+
+Result<std::unique_ptr<FrameSource>> open_family(const SourceConfig& config,
+                                                 [[maybe_unused]] drivers::OpenTrouble& trouble) {
   const bool pingpong = config.loop == "pingpong";
   if (config.type == "recording") {
     drivers::RecordingOptions options = config.recording;
@@ -162,6 +165,15 @@ Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config, dri
 #endif
   return Error{"source is not in this build", "source.type = " + config.type,
                "build where its library is found (`cliquevod --version` lists what is in)"};
+}
+
+}  // namespace
+
+Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config, drivers::OpenTrouble& trouble) {
+  trouble = drivers::OpenTrouble::lasting;
+  auto source = open_family(config, trouble);
+  if (!source || (config.type == "simulator" && !config.swap_eyes)) return source;
+  return drivers::watch_eyes(std::move(*source), config.swap_eyes);
 }
 
 }  // namespace cliquevo::daemon

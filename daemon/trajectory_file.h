@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Trajectories as text: KITTI (a line a pose, 12 numbers, the rows of [R t]) and TUM (seconds tx ty tz qx qy qz qw).
+// Trajectories as text: KITTI (a line a pose, 12 numbers, the rows of [R t]) and TUM (seconds tx ty tz qx qy qz qw). As
+// references also EuRoC's ground truth (data.csv: ns, position, quaternion with w first, ...) and KITTI-360's
+// cam0_to_world.txt (number of the frame, 16 numbers).
 #pragma once
 
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <string>
@@ -19,11 +22,14 @@ const char* trajectory_format_name(TrajectoryFormat format);
 struct StampedPose {
   TimestampNs stamp_ns = 0;  // 0 in KITTI files, which carry none
   RigidTransform T_world_camera;
+  std::int64_t frame = -1;  // its number, in numbered trajectories
 };
 
 struct Trajectory {
   TrajectoryFormat format = TrajectoryFormat::kitti;
   std::vector<StampedPose> poses;
+  bool numbered = false;  // poses belong to the frames of these numbers, not to lines (KITTI-360)
+  bool of_body = false;   // they are of another sensor's frame than the camera's (EuRoC's ground truth)
 };
 
 // One line of such a file, without its end. Same pose, same bytes; 13 significant digits.
@@ -37,6 +43,7 @@ class TrajectoryWriter {
   static Result<TrajectoryWriter> open(const std::string& path, TrajectoryFormat format);
 
   Result<void> append(TimestampNs stamp_ns, const RigidTransform& T_world_camera);
+  TrajectoryFormat format() const { return format_; }
 
  private:
   struct Close {
@@ -48,7 +55,7 @@ class TrajectoryWriter {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-// Reads either format, told apart by the count of numbers in a line. Empty lines and lines that start with # are
+// Reads any of them, told apart by the count of numbers in a line. Empty lines and lines that start with # are
 // skipped; anything else that is not a pose is an error with its line number. KITTI rotations are kept as they stand
 // in the file (rounded, so not quite orthonormal), TUM quaternions are normalised, TUM stamps must not fall.
 Result<Trajectory> read_trajectory(const std::string& path);

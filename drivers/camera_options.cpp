@@ -2,7 +2,7 @@
 #include "drivers/camera_options.h"
 
 #include "drivers/calibration_file.h"
-#include "drivers/recording/pair_store.h"
+#include "drivers/masks.h"
 
 namespace cliquevo::drivers {
 
@@ -21,6 +21,7 @@ Result<void> CameraOptions::check_names() const {
 }
 
 Result<void> CameraOptions::check() const {
+  if (auto ok = calibration_options.check(); !ok) return ok;
   if (!(rate_hz >= 0.1 && rate_hz <= 1000.0)) return bad("rate_hz", "give 0.1 to 1000");
   if (width < 0 || width > 16384) return bad("width", "give 0 (as it is) to 16384");
   if (height < 0 || height > 16384) return bad("height", "give 0 (as it is) to 16384");
@@ -51,13 +52,10 @@ Result<SourceInfo> live_source_info(const CameraOptions& options, int width, int
   info.height = height;
   info.rate_hz = options.rate_hz;
   info.live = true;
-  auto calibration = read_calibration(options.calibration, width, height);
+  auto calibration = read_calibration(options.calibration, width, height, options.calibration_options);
   if (!calibration) return calibration.error();
   info.calibration = std::move(*calibration);
-  RecordingOptions masks;
-  masks.left_mask = options.left_mask;
-  masks.right_mask = options.right_mask;
-  if (auto ok = read_masks(masks, "", info); !ok) return ok.error();
+  if (auto ok = read_masks(options.left_mask, options.right_mask, "", info); !ok) return ok.error();
   return info;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
+#include "drivers/calibration_file.h"
 #include "drivers/frame_source.h"
 
 namespace cliquevo::drivers {
@@ -34,6 +35,7 @@ struct CameraOptions {
   std::string left;         // serial number, address, stable name or path; with one camera for both eyes this one alone
   std::string right;        //
   std::string calibration;  // file or folder
+  CalibrationOptions calibration_options;
   double rate_hz = 30.0;
   int width = 0;  // of one eye's image [px]; 0 = as the camera is set
   int height = 0;

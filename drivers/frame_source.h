@@ -30,6 +30,7 @@ struct SourceInfo {
   int height = 0;
   std::int64_t frame_count = -1;  // -1: live, endless
   double rate_hz = 0.0;           // nominal; 0 = unknown
+  std::int64_t first_number = 0;  // of a recording's first image, where the images are numbered one by one
   bool live = false;              // frames come when they come: nobody may hold them back
   StereoCalibration calibration;
   Image<std::uint8_t> left_mask;  // raw size, 0 = the vehicle's own parts; empty = none
@@ -47,6 +48,9 @@ class FrameSource {
   virtual void interrupt() {}
   // Any thread: one line on how a live source gets on ("left eye lost: reconnecting"); empty = nothing to tell.
   virtual std::string status() const { return ""; }
+  // Any thread: one line on what the images show to be wrong with the source (left and right exchanged), for the user
+  // to put right; empty = nothing.
+  virtual std::string finding() const { return ""; }
   // Any thread: one line on how deep a live source's queues have been; empty = it has none.
   virtual std::string queues() const { return ""; }
 };

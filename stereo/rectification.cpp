@@ -59,6 +59,12 @@ void set_scale(StereoModel& m, double scale) {
   m.cy_px = (m.cy_px + 0.5) * scale - 0.5;
 }
 
+// Pixels a radian in the middle of the image over the focal length: the sphere models' own is another one.
+double central_scale(const CameraCalibration& c) {
+  const bool through_sphere = c.distortion == Distortion::unified || c.distortion == Distortion::double_sphere;
+  return through_sphere ? 1.0 / (1.0 + c.coefficients[0]) : 1.0;
+}
+
 // Both eyes and how they are turned; answers how much of a pinhole image they fill.
 struct Pair {
   CameraProjection left, right;
@@ -135,9 +141,11 @@ Result<PrescribedRectification> own_rectification(const StereoCalibration& calib
   if (m_left.z() < 0.2 || m_right.z() < 0.2) return bad(calibration, "an eye looks along the baseline");
   Eigen::Vector2d middle = 0.5 * (m_left.head<2>() / m_left.z() + m_right.head<2>() / m_right.z());
 
-  const double raw_f = 0.25 * (calibration.left.fx_px + calibration.left.fy_px +
-                               calibration.right.fx_px * calibration.left.width / calibration.right.width +
-                               calibration.right.fy_px * calibration.left.width / calibration.right.width);
+  const CameraCalibration& l = calibration.left;
+  const CameraCalibration& r = calibration.right;
+  const double raw_f =
+      0.25 * (l.fx_px * central_scale(l) + l.fy_px * central_scale(l) + r.fx_px * central_scale(r) * l.width / r.width +
+              r.fy_px * central_scale(r) * l.width / r.width);
   const double widest = 0.5 * (calibration.left.width - 1) / std::tan(radians(0.5 * RectifyParams::kMostFovDeg));
   const double shortest = std::max(0.75 * raw_f, widest);
   const double longest = std::max(1.5 * raw_f, widest);

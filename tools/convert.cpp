@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // cliquevo convert: recordings from one form into another.
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -14,6 +15,7 @@
 #include "tools/progress.h"
 #include "tools/record.h"
 #include "tools/recording_folder.h"
+#include "tools/skipped_pairs.h"
 #include "tools/source_argument.h"
 #include "tools/stop_on_signal.h"
 
@@ -128,6 +130,8 @@ int run(const ConvertArguments& arguments) {
   drivers::StereoPair pair;
   std::optional<Error> error;
   std::int64_t count = 0;
+  SkippedPairs skipped;
+  const std::int64_t most_skipped = std::max<std::int64_t>(1000, info.frame_count);
   while (!error) {
     if (StopOnSignal::asked()) {
       error = Error{"interrupted", fmt::format("after {} pairs", count), "convert again for all of them"};
@@ -135,8 +139,9 @@ int run(const ConvertArguments& arguments) {
     }
     const auto more = (*source)->next(pair);
     if (!more) {
-      error = more.error();
-      break;
+      skipped.add(pair.index, more.error());
+      if (skipped.count() > most_skipped) error = more.error();
+      continue;
     }
     if (!*more) break;
     if (auto ok = (*target)->add(pair); !ok) error = ok.error();
@@ -145,7 +150,13 @@ int run(const ConvertArguments& arguments) {
   progress.finish();
   if (auto ok = (*target)->finish(); !ok && !error) error = ok.error();
   if (error) return report(*error);
+  if (count == 0 && !skipped.empty()) return report(skipped.entries().front().error);
   fmt::print("{}: {} pairs of {}x{} from {}\n", arguments.out, count, info.width, info.height, info.description);
+  if (!skipped.empty()) fmt::print("{} pairs skipped: later ones move up in files without stamps\n", skipped.count());
+  if (const std::string finding = (*source)->finding(); !finding.empty()) {
+    warn({finding.substr(0, finding.find(':')), arguments.source.text,
+          "see `cliquevo replay`; --swap-eyes exchanges them"});
+  }
   if (fs::exists(arguments.out + "/left.yaml")) {
     fmt::print("its prescribed rectification: replay it with --calibration {}/left.yaml\n", arguments.out);
   }
@@ -166,8 +177,14 @@ void add_convert_command(CLI::App& app, int& exit_code) {
                    "source holds")
       ->check(CLI::IsMember({"log", "kitti", "euroc"}))
       ->type_name("FORM");
-  convert->add_option("--calibration", arguments->source.calibration, "Calibration instead of the recording's own")
-      ->type_name("FILE");
+  add_calibration_options(*convert, arguments->source);
+  convert
+      ->add_option_function<double>(
+          "--rate", [arguments](double hz) { arguments->source.rate_hz = hz; },
+          "Pairs a second, whatever times are there")
+      ->check(CLI::PositiveNumber)
+      ->type_name("HZ");
+  add_eye_options(*convert, arguments->source);
   convert->footer(
       "Pixels and stamps are kept as they are, but for kitti, which is rectified on the way where it must be.\n"
       "Examples:\n"

@@ -12,6 +12,7 @@
 #include "tools/exit_code.h"
 #include "tools/output_file.h"
 #include "tools/plot.h"
+#include "tools/reference.h"
 
 namespace cliquevo::tools {
 
@@ -118,7 +119,7 @@ Result<void> draw(OutputFile& file, const EvalArguments& arguments, const daemon
 }
 
 int run_eval(const EvalArguments& arguments) {
-  const auto reference = daemon::read_trajectory(arguments.reference);
+  const auto reference = read_reference(arguments.reference);
   if (!reference) return report(reference.error());
   const auto estimate = daemon::read_trajectory(arguments.estimate);
   if (!estimate) return report(estimate.error());
@@ -148,28 +149,46 @@ int run_eval(const EvalArguments& arguments) {
 }  // namespace
 
 void add_eval_command(CLI::App& app, int& exit_code) {
+  // nan is above nothing and below nothing: it must be asked for what it is not.
+  const CLI::Validator is_length(
+      [](const std::string& text) {
+        double value = 0.0;
+        const bool number = CLI::detail::lexical_cast(text, value);
+        return number && value > 0.0 && value <= 1e9 ? std::string() : "'" + text + "' is not a length in m";
+      },
+      "");
+  const CLI::Validator is_tolerance(
+      [](const std::string& text) {
+        double value = 0.0;
+        const bool number = CLI::detail::lexical_cast(text, value);
+        return number && value >= 0.0 && value <= 1e6 ? std::string()
+                                                      : "'" + text + "' is not a time from 0 to 1000000 s";
+      },
+      "");
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App* eval =
       app.add_subcommand("eval", "Compare a trajectory with its reference: segment errors, ATE, RPE, drift");
-  eval->add_option("--reference", arguments->reference, "Trajectory held to be true (KITTI or TUM format)")
+  eval->add_option("--reference", arguments->reference,
+                   "Trajectory held to be true (KITTI or TUM format, EuRoC's data.csv, KITTI-360's cam0_to_world.txt)")
       ->required()
       ->type_name("FILE");
-  eval->add_option("--estimate", arguments->estimate, "Trajectory to judge (same format)")
+  eval->add_option("--estimate", arguments->estimate,
+                   "Trajectory to judge (KITTI beside KITTI, TUM beside TUM and EuRoC)")
       ->required()
       ->type_name("FILE");
   eval->add_option("--lengths", arguments->options.lengths_m, "Lengths of the segments, m, with commas between")
       ->delimiter(',')
-      ->check(CLI::PositiveNumber)
+      ->check(is_length)
       ->capture_default_str()
       ->type_name("L,L,...");
   eval->add_option("--tolerance", arguments->tolerance_s, "Poses this close in time belong together, s (TUM)")
-      ->check(CLI::Range(0.0, 1e6))
+      ->check(is_tolerance)
       ->capture_default_str()
       ->type_name("S");
   eval->add_option(
           "--sample-period", arguments->options.sample_period_s,
           "Also compare the lengths of both paths over poses this far apart, s (TUM): jitter adds up otherwise")
-      ->check(CLI::PositiveNumber)
+      ->check(is_length)
       ->type_name("S");
   eval->add_option_function<std::string>(
           "--reference-frame", [arguments](const std::string& frame) { arguments->body_frame = frame == "body"; },

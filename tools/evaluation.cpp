@@ -36,6 +36,17 @@ std::vector<PosePair> associate_by_line(const Trajectory& reference, const Traje
   return pairs;
 }
 
+// Line i of the estimate is frame i.
+std::vector<PosePair> associate_by_number(const Trajectory& reference, const Trajectory& estimate) {
+  std::vector<PosePair> pairs;
+  for (const StampedPose& pose : reference.poses) {
+    const auto line = static_cast<std::size_t>(pose.frame);
+    if (line >= estimate.poses.size()) break;
+    pairs.push_back({0, line, pose.T_world_camera, estimate.poses[line].T_world_camera});
+  }
+  return pairs;
+}
+
 std::size_t nearest(const std::vector<StampedPose>& poses, TimestampNs stamp_ns) {
   const auto after = std::lower_bound(poses.begin(), poses.end(), stamp_ns,
                                       [](const StampedPose& pose, TimestampNs stamp) { return pose.stamp_ns < stamp; });
@@ -183,9 +194,14 @@ Result<std::vector<PosePair>> associate(const Trajectory& reference, const Traje
                              trajectory_format_name(estimate.format)),
                  "KITTI files carry no times: give both in one format (cliquevo replay --format)"};
   }
-  std::vector<PosePair> pairs = reference.format == TrajectoryFormat::kitti
-                                    ? associate_by_line(reference, estimate)
-                                    : associate_by_stamp(reference, estimate, options.max_stamp_difference_ns);
+  std::vector<PosePair> pairs;
+  if (reference.numbered) {
+    pairs = associate_by_number(reference, estimate);
+  } else if (reference.format == TrajectoryFormat::kitti) {
+    pairs = associate_by_line(reference, estimate);
+  } else {
+    pairs = associate_by_stamp(reference, estimate, options.max_stamp_difference_ns);
+  }
   if (pairs.size() < 2) {
     return Error{"cannot compare trajectories", fmt::format("{} poses belong together", pairs.size()),
                  fmt::format("two are needed: are the stamps of one clock, within {} ms of each other?",

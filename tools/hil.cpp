@@ -76,8 +76,7 @@ void add_hil_command(CLI::App& app, int& exit_code) {
   CLI::App* hil = app.add_subcommand("hil", "Serve a recording as two GigE Vision cameras, over the real protocol");
   hil->add_option("SOURCE", arguments->source.text, "A recording (folder or log), sim, or sim:key=value,...")
       ->required();
-  hil->add_option("--calibration", arguments->source.calibration, "Calibration instead of the recording's own")
-      ->type_name("FILE");
+  add_calibration_options(*hil, arguments->source);
   hil->add_option_function<std::int64_t>(
          "--first", [arguments](const std::int64_t& i) { arguments->source.first = i; }, "First pair, counted from 0")
       ->check(CLI::NonNegativeNumber)

@@ -13,6 +13,7 @@
 #include "drivers/recorder.h"
 #include "tools/exit_code.h"
 #include "tools/progress.h"
+#include "tools/skipped_pairs.h"
 #include "tools/source_argument.h"
 #include "tools/stop_on_signal.h"
 
@@ -80,11 +81,18 @@ int run(const RecordArguments& arguments) {
   std::optional<Error> error;
   std::int64_t count = 0;
   std::optional<TimestampNs> first_ns;
+  SkippedPairs skipped;
+  const std::int64_t most_skipped = std::max<std::int64_t>(1000, info.frame_count);
   while (!StopOnSignal::asked() && !error) {
     const auto more = (*source)->next(pair);
     if (!more) {
-      error = more.error();
-      break;
+      if (info.live) {
+        error = more.error();
+        break;
+      }
+      skipped.add(pair.index, more.error());
+      if (skipped.count() > most_skipped) error = more.error();
+      continue;
     }
     if (!*more) break;
     if (!info.live && arguments.speed > 0.0) wait_until(pacer.due_ns(pair.stamp_ns, monotonic_ns()));
@@ -131,6 +139,7 @@ void add_record_command(CLI::App& app, int& exit_code) {
       ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
+  add_eye_options(*record, arguments->source);
   record->footer(
       "The log holds VO_STEREO (the pairs as grabbed, not compressed) and VO_CALIBRATION; whatever ends the writing, "
       "it\n"

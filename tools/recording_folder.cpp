@@ -37,11 +37,26 @@ NamedDistortion name_of(const CameraCalibration& c) {
       return {"rational_polynomial", "rational_polynomial", 8};
     case Distortion::equidistant:
       return {"equidistant", "equidistant", 4};
+    case Distortion::thin_prism:
+      return {"thin_prism", "thin_prism", 14};
+    case Distortion::unified:
+      return {"omni", "omni", 5};
+    case Distortion::extended_unified:
+      return {"eucm", "eucm", 2};
+    case Distortion::double_sphere:
+      return {"ds", "ds", 2};
     case Distortion::none:
     case Distortion::plumb_bob:
       break;
   }
   return {"radial-tangential", "plumb_bob", c.coefficients[4] != 0.0 ? 5 : 4};
+}
+
+// All terms that a model can have, in the files' order.
+std::vector<double> terms_of(const CameraCalibration& c) {
+  std::vector<double> out(c.coefficients.begin(), c.coefficients.end());
+  out.insert(out.end(), c.prism.begin(), c.prism.end());
+  return out;
 }
 
 // One eye's sensor.yaml. T_BS: this camera in the body, for which the rectified left camera stands.
@@ -67,7 +82,7 @@ std::string euroc_sensor(const CameraCalibration& c, const RigidTransform& T_bod
       "distortion_model: {}\n"
       "distortion_coefficients: {}\n",
       rows, rate_hz, c.width, c.height, numbers(camera, 4), distortion.euroc,
-      numbers(c.coefficients.data(), distortion.count));
+      numbers(terms_of(c).data(), distortion.count));
 }
 
 }  // namespace
@@ -102,16 +117,17 @@ std::string ros_camera_info(const StereoCalibration& calibration, bool left) {
   const double shift = left ? 0.0 : -m.fx_px * m.baseline_m;
   const double P[12] = {m.fx_px, 0, m.cx_px + (left ? 0.0 : m.doffs_px), shift, 0, m.fy_px, m.cy_px, 0, 0, 0, 1, 0};
   const NamedDistortion distortion = name_of(c);
+  const bool plumb_bob = c.distortion == Distortion::plumb_bob || c.distortion == Distortion::none;
+  const int count = plumb_bob ? 5 : distortion.count;
+  const std::vector<double> terms = terms_of(c);
   const auto matrix = [](const char* name, int rows, int cols, const double* data) {
     return fmt::format("{}:\n  rows: {}\n  cols: {}\n  data: {}\n", name, rows, cols, numbers(data, rows * cols));
   };
   return fmt::format("image_width: {}\nimage_height: {}\ncamera_name: {}\n", c.width, c.height,
                      left ? "left" : "right") +
          matrix("camera_matrix", 3, 3, K) + fmt::format("distortion_model: {}\n", distortion.ros) +
-         matrix("distortion_coefficients", 1,
-                std::max(distortion.count, distortion.count == 4 && c.distortion != Distortion::equidistant ? 5 : 4),
-                c.coefficients.data()) +
-         matrix("rectification_matrix", 3, 3, R.data()) + matrix("projection_matrix", 3, 4, P);
+         matrix("distortion_coefficients", 1, count, terms.data()) + matrix("rectification_matrix", 3, 3, R.data()) +
+         matrix("projection_matrix", 3, 4, P);
 }
 
 Result<RecordingFolder> RecordingFolder::create(const std::string& folder, FolderLayout layout,

@@ -10,12 +10,20 @@
 
 namespace cliquevo::tools {
 
-// A file that recordings bring along as their reference (poses.txt, groundtruth.tum); empty when there is none.
+// A trajectory file that is held to be true, as poses of the rectified left camera. EuRoC's ground truth is of the
+// body: where the camera sits is read from cam0/sensor.yaml beside its folder, and how it is turned by rectification
+// from `calibration` where given, else from the sensor.yaml of both eyes.
+Result<daemon::Trajectory> read_reference(const std::string& path, const StereoCalibration* calibration = nullptr);
+
+// A file that recordings bring along as their reference (poses.txt, groundtruth.tum, EuRoC's ground truth, KITTI-360's
+// cam0_to_world.txt); empty when there is none.
 std::string reference_beside(const std::string& recording);
 
-// The poses of a file that belong to the frames of the run: by the pairs' positions in the recording (KITTI), by stamp
-// (TUM). Fails when the file cannot be read or does not reach as far as the run.
-Result<RunReference> reference_from_file(const std::string& path, const std::vector<FrameRecord>& frames);
+// The poses of a file that belong to the frames of the run: by the pairs' positions in the recording (KITTI;
+// KITTI-360's numbers count from the recording's first image), by stamp (TUM, EuRoC). Fails when the file cannot be
+// read or does not reach as far as the run.
+Result<RunReference> reference_from_file(const std::string& path, const std::vector<FrameRecord>& frames,
+                                         const drivers::SourceInfo& info);
 // What the source itself knew to be true.
 std::optional<RunReference> reference_from_truth(const std::vector<FrameRecord>& frames);
 

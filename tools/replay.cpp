@@ -61,6 +61,7 @@ Result<EndFiles> open_end_files(const ReplayArguments& arguments) {
 Result<ReplayOutputs> open_outputs(const ReplayArguments& arguments, const daemon::Config& config) {
   ReplayOutputs out;
   out.speed = arguments.speed;
+  out.strict = arguments.strict;
   if (!arguments.trajectory.empty()) {
     auto writer = daemon::TrajectoryWriter::open(arguments.trajectory, arguments.format);
     if (!writer) return writer.error();
@@ -80,16 +81,17 @@ Result<ReplayOutputs> open_outputs(const ReplayArguments& arguments, const daemo
 }
 
 // The reference asked for, or what the source brings along; none of it can fail the run but what was asked for.
-Result<std::optional<RunReference>> find_reference(const ReplayArguments& arguments, const RunLog& log) {
+Result<std::optional<RunReference>> find_reference(const ReplayArguments& arguments, const RunLog& log,
+                                                   const drivers::SourceInfo& info) {
   if (!arguments.reference.empty()) {
-    auto reference = reference_from_file(arguments.reference, log.frames());
+    auto reference = reference_from_file(arguments.reference, log.frames(), info);
     if (!reference) return reference.error();
     return std::optional(std::move(*reference));
   }
   if (is_simulator(arguments.source.text)) return reference_from_truth(log.frames());
   const std::string beside = reference_beside(arguments.source.text);
   if (beside.empty()) return std::optional<RunReference>();
-  auto reference = reference_from_file(beside, log.frames());
+  auto reference = reference_from_file(beside, log.frames(), info);
   if (!reference) return std::optional<RunReference>();
   return std::optional(std::move(*reference));
 }
@@ -133,13 +135,14 @@ int run(const ReplayArguments& arguments) {
   std::fflush(stdout);
   RunLog log;
   const ReplayEnd end = run_replay(**source, *pipeline, *outputs, log);
+  log.set_finding((*source)->finding());
 
   int exit_code = kDone;
   const auto fail = [&exit_code](const Error& error) { exit_code = report(error); };
-  if (end.error) fail(*end.error);
+  if (end.error) exit_code = report(*end.error, end.by_strictness ? kNotStrictEnough : kBadInput);
   std::optional<RunReference> reference;
   if (!log.frames().empty()) {
-    auto found = find_reference(arguments, log);
+    auto found = find_reference(arguments, log, info);
     if (found) {
       reference = std::move(*found);
     } else {
@@ -159,6 +162,10 @@ int run(const ReplayArguments& arguments) {
     if (!drawn) fail(drawn.error());
   }
   if (exit_code != kDone) return exit_code;
+  if (log.frames().empty() && !log.skipped().empty()) {
+    return report({"no pair could be played", arguments.source.text,
+                   "see the first: " + log.skipped().entries().front().error.line()});
+  }
   if (log.frames().empty()) return report({"no pair to play", arguments.source.text, "choose other pairs"});
   const std::vector<std::size_t> failed = log.failed();
   if (arguments.strict && !failed.empty()) {
@@ -178,7 +185,7 @@ bool parse_speed(const std::string& text, double& speed) {
     return true;
   }
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), speed);
-  return failed == std::errc{} && end == text.data() + text.size() && speed > 0.0 && speed < 1e6;
+  return failed == std::errc{} && end == text.data() + text.size() && speed >= 1e-6 && speed < 1e6;
 }
 
 template <typename T>
@@ -188,14 +195,13 @@ auto into(std::optional<T>& target) {
 
 void add_source_options(CLI::App& replay, SourceArgument& source) {
   replay
-      .add_option(
-          "SOURCE", source.text,
-          "A recording's folder (KITTI odometry, KITTI raw, EuRoC, two folders of images: told apart by what is "
-          "in it), an LCM log, sim, or sim:key=value,...")
+      .add_option("SOURCE", source.text,
+                  "A recording's folder (KITTI, KITTI-360, EuRoC, two folders of images, images of both eyes in one "
+                  "folder: told "
+                  "apart by what is in it), an LCM log, sim, or sim:key=value,...")
       ->required();
-  replay.add_option("--calibration", source.calibration, "Calibration instead of the recording's own")
-      ->type_name("FILE");
-  replay.add_option_function<double>("--rate", into(source.rate_hz), "Pairs a second, for images without times")
+  add_calibration_options(replay, source);
+  replay.add_option_function<double>("--rate", into(source.rate_hz), "Pairs a second, whatever times are there")
       ->check(CLI::PositiveNumber)
       ->type_name("HZ");
   replay.add_option_function<std::int64_t>("--first", into(source.first), "First pair to play, counted from 0")
@@ -221,6 +227,7 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
           "The images are raw Bayer mosaics of this pattern, or none; default auto: where the images show it")
       ->check(CLI::IsMember({"auto", "none", "rggb", "bggr", "grbg", "gbrg"}))
       ->type_name("PATTERN");
+  add_eye_options(replay, source);
 }
 
 }  // namespace
@@ -251,25 +258,30 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       ->type_name("FILE.png");
   replay
       ->add_option("--reference", arguments->reference,
-                   "True trajectory for the plot and the summary (default: the recording's own poses.txt or "
-                   "groundtruth.tum, the simulator's truth)")
+                   "True trajectory for the plot and the summary (default: the recording's own poses.txt, "
+                   "groundtruth.tum, EuRoC ground truth or KITTI-360 poses, the simulator's truth)")
       ->type_name("FILE");
   replay
       ->add_option_function<std::string>(
           "--speed",
           [arguments](const std::string& text) {
             if (!parse_speed(text, arguments->speed)) {
-              throw CLI::ValidationError("--speed", "'" + text + "' is neither max nor a number above 0");
+              throw CLI::ValidationError("--speed",
+                                         "'" + text + "' is neither max nor a number from 0.000001 to 1000000");
             }
           },
           "max (default) or N times the recorded pace")
       ->type_name("max|N");
   replay->add_option("--lcm", arguments->lcm_url, "Publish every frame over LCM, e.g. udpm://239.255.76.67:7667?ttl=0")
       ->type_name("URL");
-  replay->add_flag("--strict", arguments->strict, "Exit with 3 if a frame failed");
+  replay->add_flag("--strict", arguments->strict,
+                   "Exit with 3 if a frame failed, and at once at a pair that cannot be played");
   replay->footer(
-      "Every pair is processed, in order; a pair that cannot be read ends the replay with exit code 1, and what was\n"
-      "written holds the pairs before it. Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 --strict.\n"
+      "Every pair is processed, in order; one that cannot be read, or whose stamp steps back, is skipped and told: "
+      "its\n"
+      "line of the trajectory holds the pose before it. Exit codes: 0 done; 1 bad input or environment; 2 wrong "
+      "usage;\n"
+      "3 --strict.\n"
       "The simulator's keys are those under source.simulator in config/cliquevo.yaml.\n"
       "Examples:\n"
       "  cliquevo replay sim --plot run.png\n"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/replay_run.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <ctime>
@@ -28,7 +29,8 @@ class Pace {
       begin_ns_ = monotonic_ns();
     }
     const double since_first_ns = static_cast<double>(stamp_ns - first_stamp_ns_);
-    const std::int64_t due_ns = begin_ns_ + std::llround(since_first_ns / speed_);
+    constexpr double kMostNs = 1e18;
+    const std::int64_t due_ns = begin_ns_ + std::llround(std::clamp(since_first_ns / speed_, 0.0, kMostNs));
     const timespec due = {static_cast<time_t>(due_ns / 1'000'000'000), static_cast<long>(due_ns % 1'000'000'000)};
     while (!StopOnSignal::asked() && clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR) continue;
   }
@@ -60,6 +62,17 @@ Result<void> hand_out(const FrameRecord& record, const vo::Movers& movers, Repla
   return {};
 }
 
+// Where the vehicle is thought to be meanwhile: a line a pair keeps trajectories with references.
+Result<void> skip(const drivers::StereoPair& pair, const Error& why, ReplayOutputs& outputs, RunLog& log) {
+  log.skip(pair.index, why);
+  if (!outputs.trajectory) return {};
+  const bool any = !log.frames().empty();
+  const vo::Estimate last = any ? log.frames().back().estimate : vo::Estimate{};
+  const bool stamped = outputs.trajectory->format() == daemon::TrajectoryFormat::tum;
+  if (stamped && any && pair.stamp_ns <= last.stamp_ns) return {};
+  return outputs.trajectory->append(pair.stamp_ns, last.T_world_camera);
+}
+
 }  // namespace
 
 ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeline, ReplayOutputs& outputs,
@@ -71,6 +84,7 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
   std::optional<RigidTransform> T_first_world;  // truth starts at the first frame played
   std::optional<Error> error;
   bool warned = false;
+  const std::int64_t most_skipped = std::max<std::int64_t>(1000, source.info().frame_count);
   const std::int64_t begin_ns = monotonic_ns();
 
   while (!error) {
@@ -84,8 +98,11 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
     const Result<bool> read = source.next(pair);
     record.read_ns = monotonic_ns() - read_begin_ns;
     if (!read) {
-      error = read.error();
-      break;
+      if (outputs.strict) return {read.error(), true, static_cast<double>(monotonic_ns() - begin_ns) * 1e-9};
+      if (auto done = skip(pair, read.error(), outputs, log); !done) error = done.error();
+      // No source has more of them than pairs; one that does is stuck.
+      if (log.skipped().count() > most_skipped) error = read.error();
+      continue;
     }
     if (!*read) break;
     pace.wait_for(pair.stamp_ns);
@@ -107,7 +124,7 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
                     vo::status_name(record.estimate.status));
   }
   progress.finish();
-  return {error, static_cast<double>(monotonic_ns() - begin_ns) * 1e-9};
+  return {error, false, static_cast<double>(monotonic_ns() - begin_ns) * 1e-9};
 }
 
 }  // namespace cliquevo::tools

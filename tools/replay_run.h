@@ -18,16 +18,19 @@ namespace cliquevo::tools {
 struct ReplayOutputs {
   std::optional<daemon::TrajectoryWriter> trajectory;
   std::optional<daemon::Publisher> publisher;
-  double speed = 0.0;  // times recorded pace; 0 = as fast as possible
+  double speed = 0.0;   // times recorded pace; 0 = as fast as possible
+  bool strict = false;  // the first pair that cannot be played ends the run
 };
 
 struct ReplayEnd {
   std::optional<Error> error;  // what ended the run early; all frames before it are in the log and the trajectory
+  bool by_strictness = false;  // it is a pair that would have been skipped
   double wall_s = 0.0;
 };
 
-// Never drops a frame. Ends at the source's end, at the first pair that cannot be processed, or soon after SIGINT or
-// SIGTERM.
+// Never drops a frame. A pair that the source cannot deliver is skipped and told; its line of the trajectory holds the
+// pose before it (but for a stamp that does not rise, in a trajectory with stamps). Ends at the source's end, at the
+// first pair that cannot be processed, or soon after SIGINT or SIGTERM.
 ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeline, ReplayOutputs& outputs,
                      RunLog& log);
 

@@ -212,6 +212,11 @@ std::string RunLog::summary(double wall_s, const std::optional<RunReference>& re
     out += fmt::format("{}{} x {}", separator, count, name);
     separator = ", ";
   }
+  if (!skipped_.empty()) {
+    const SkippedPairs::Entry& first = skipped_.entries().front();
+    out += fmt::format("\nskipped      {} {}, first pair {}: {}: {}", skipped_.count(),
+                       skipped_.count() == 1 ? "pair" : "pairs", first.index, first.error.what, first.error.remedy);
+  }
   const auto inliers = of_valid(frames_, [](const vo::Estimate& e) { return static_cast<double>(e.inliers); });
   if (!inliers.empty()) {
     const auto quality = spread_of(of_valid(frames_, [](const vo::Estimate& e) { return 1.0 * e.quality; }));
@@ -225,7 +230,8 @@ std::string RunLog::summary(double wall_s, const std::optional<RunReference>& re
   }
   if (!frames_.empty()) {
     const vo::Estimate& last = frames_.back().estimate;
-    out += "\nself-check   " + vo::describe(last.calibration);
+    if (!finding_.empty()) out += "\neyes         " + finding_;
+    out += "\nself-check   " + (finding_.empty() ? vo::describe(last.calibration) : "not checked: the eyes come first");
     if (last.vehicle_part.frames > 0) out += "\nview         " + vo::describe(last.vehicle_part);
   }
   out += "\ntime a frame    median       95 %        max\n";
@@ -259,6 +265,7 @@ std::string RunLog::stats_json(const drivers::SourceInfo& source, const StereoMo
               {"summary",
                {{"frames", frames_.size()},
                 {"failed", failed().size()},
+                {"skipped", skipped_.count()},
                 {"distance_m", distance_m_},
                 {"wall_s", wall_s},
                 {"verdicts", std::move(verdicts)},
@@ -266,6 +273,10 @@ std::string RunLog::stats_json(const drivers::SourceInfo& source, const StereoMo
                 {"times_ms", std::move(times)}}},
               {"frames", json::array()}};
   if (reference && reference->pairs.size() >= 2) out["reference"] = reference_json(*reference);
+  for (const SkippedPairs::Entry& entry : skipped_.entries()) {
+    out["skipped"].push_back({{"index", entry.index}, {"why", entry.error.line()}});
+  }
+  if (!finding_.empty()) out["finding"] = finding_;
   if (!frames_.empty()) {
     out["calibration"] = calibration_json(frames_.back().estimate.calibration);
     out["vehicle_part"] = vehicle_part_json(frames_.back().estimate.vehicle_part);

@@ -5,12 +5,14 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/vo/visual_odometry.h"
 #include "daemon/frame_pipeline.h"
 #include "drivers/frame_source.h"
 #include "tools/evaluation.h"
+#include "tools/skipped_pairs.h"
 
 namespace cliquevo::tools {
 
@@ -34,9 +36,14 @@ struct RunReference {
 class RunLog {
  public:
   void add(const FrameRecord& record);
+  // A pair that the source could not deliver.
+  void skip(std::int64_t index, const Error& why) { skipped_.add(index, why); }
+  // What the images show to be wrong with the source: what the self-check seems to say then means nothing.
+  void set_finding(std::string finding) { finding_ = std::move(finding); }
 
   const std::vector<FrameRecord>& frames() const { return frames_; }
   std::vector<std::size_t> failed() const;  // positions in frames(); the first frame cannot fail
+  const SkippedPairs& skipped() const { return skipped_; }
   double distance_m() const { return distance_m_; }
 
   // The text printed at the end: verdicts, stage times, errors against the reference where there is one.
@@ -47,6 +54,8 @@ class RunLog {
 
  private:
   std::vector<FrameRecord> frames_;
+  SkippedPairs skipped_;
+  std::string finding_;
   double distance_m_ = 0.0;
 };
 

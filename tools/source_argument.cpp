@@ -3,6 +3,9 @@
 
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "drivers/eye_watch.h"
 #include "drivers/recording.h"
 #include "drivers/simulator.h"
 
@@ -31,16 +34,45 @@ Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument
   options.path = argument.text;
   options.pingpong = false;
   if (!argument.calibration.empty()) options.calibration = argument.calibration;
+  const drivers::CalibrationOptions& said = argument.calibration_options;
+  if (said.baseline_unit_m > 0.0) options.calibration_options.baseline_unit_m = said.baseline_unit_m;
+  if (said.rectified) options.calibration_options.rectified = true;
+  if (!said.lens.empty()) options.calibration_options.lens = said.lens;
   if (argument.rate_hz) options.rate_hz = argument.rate_hz;
   if (argument.first) options.first = *argument.first;
   if (argument.last) options.last = *argument.last;
   if (argument.every) options.every = *argument.every;
   if (argument.pair_tolerance_s) options.pair_tolerance_s = argument.pair_tolerance_s;
   if (argument.bayer) options.bayer = *argument.bayer;
-  return drivers::open_recording(options);
+  if (!argument.channel.empty()) options.channel = argument.channel;
+  options.side_by_side = options.side_by_side || argument.side_by_side;
+  auto recording = drivers::open_recording(options);
+  if (recording) {
+    for (const std::string& note : (*recording)->info().calibration.notes)
+      fmt::print(stderr, "calibration: {}\n", note);
+  }
+  return recording;
 }
 
 }  // namespace
+
+void add_calibration_options(CLI::App& command, SourceArgument& source) {
+  command.add_option("--calibration", source.calibration, "Calibration instead of the recording's own")
+      ->type_name("FILE");
+  command
+      .add_option(
+          "--baseline-unit", source.calibration_options.baseline_unit_m,
+          "Metres a unit of the calibration's lengths: 0.025 for squares of 25 mm, 1 for metres in spite of all")
+      ->check(CLI::Range(1e-6, 1e6))
+      ->type_name("M");
+  command.add_flag("--rectified", source.calibration_options.rectified,
+                   "The images are rectified by this calibration already");
+  command
+      .add_option("--lens", source.calibration_options.lens,
+                  "What four distortion terms without a name are: plumb_bob or equidistant (OpenCV's fisheye)")
+      ->check(CLI::IsMember({"plumb_bob", "equidistant"}))
+      ->type_name("MODEL");
+}
 
 bool is_simulator(const std::string& source) {
   return source == kSimulator || source.starts_with(std::string(kSimulator) + ":");
@@ -48,16 +80,22 @@ bool is_simulator(const std::string& source) {
 
 Result<void> check_source(const SourceArgument& argument) {
   if (is_simulator(argument.text)) {
-    if (!argument.calibration.empty() || argument.rate_hz || argument.first || argument.last || argument.every ||
-        argument.pair_tolerance_s || argument.bayer) {
-      return Error{
-          "wrong usage", argument.text,
-          "--calibration, --rate, --first, --last, --every, --pair-tolerance and --bayer are for recordings; the "
-          "simulator takes sim:frames=N,every=K,rate_hz=R"};
+    if (argument.is_for_recordings()) {
+      return Error{"wrong usage", argument.text,
+                   "--calibration and its options, --rate, --first, --last, --every, --pair-tolerance, --bayer, "
+                   "--channel and --side-by-side "
+                   "are for recordings; the simulator takes sim:frames=N,every=K,rate_hz=R"};
     }
     if (argument.text == kSimulator) return {};
     const auto parsed = drivers::parse_simulator_options(argument.text.substr(4));
     return parsed ? Result<void>() : parsed.error();
+  }
+  // nan passes every comparison that asks for less or more.
+  if (argument.rate_hz && !(*argument.rate_hz >= 1e-3 && *argument.rate_hz <= 1e6)) {
+    return Error{"wrong usage", "--rate", "give a rate of 0.001 to 1000000 Hz"};
+  }
+  if (argument.pair_tolerance_s && !(*argument.pair_tolerance_s >= 0.0 && *argument.pair_tolerance_s <= 3600.0)) {
+    return Error{"wrong usage", "--pair-tolerance", "give 0 to 3600 s"};
   }
   if (argument.first && argument.last && *argument.last < *argument.first) {
     return Error{"wrong usage", "--last " + std::to_string(*argument.last),
@@ -66,9 +104,21 @@ Result<void> check_source(const SourceArgument& argument) {
   return {};
 }
 
+void add_eye_options(CLI::App& command, SourceArgument& argument) {
+  command.add_option("--channel", argument.channel, "Of a log with several stereo channels: the one to play")
+      ->type_name("NAME");
+  command.add_flag("--side-by-side", argument.side_by_side,
+                   "Each image of the folder holds both eyes, left half and right half");
+  command.add_flag("--swap-eyes", argument.swap_eyes, "Left and right are exchanged in the recording: put them right");
+}
+
 Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceArgument& argument,
                                                           const daemon::SourceConfig& config) {
-  return is_simulator(argument.text) ? open_simulated(argument, config) : open_recorded(argument, config);
+  const bool simulated = is_simulator(argument.text);
+  const bool swap = argument.swap_eyes || config.swap_eyes;
+  auto source = simulated ? open_simulated(argument, config) : open_recorded(argument, config);
+  if (!source || (simulated && !swap)) return source;
+  return drivers::watch_eyes(std::move(*source), swap);
 }
 
 }  // namespace cliquevo::tools

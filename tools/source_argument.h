@@ -7,8 +7,11 @@
 #include <optional>
 #include <string>
 
+#include <CLI/CLI.hpp>
+
 #include "core/base/result.h"
 #include "daemon/config.h"
+#include "drivers/calibration_file.h"
 #include "drivers/frame_source.h"
 
 namespace cliquevo::tools {
@@ -16,20 +19,36 @@ namespace cliquevo::tools {
 struct SourceArgument {
   std::string text;
   std::string calibration;  // empty = the source's own
+  drivers::CalibrationOptions calibration_options;
   std::optional<double> rate_hz;
   std::optional<std::int64_t> first;
   std::optional<std::int64_t> last;
   std::optional<std::int64_t> every;
   std::optional<double> pair_tolerance_s;
   std::optional<drivers::Bayer> bayer;
+  std::string channel;  // empty = the log's only one
+  bool side_by_side = false;
+  bool swap_eyes = false;
+
+  // Whether anything is said that is for recordings alone.
+  bool is_for_recordings() const {
+    return !calibration.empty() || !calibration_options.empty() || rate_hz || first || last || every ||
+           pair_tolerance_s || bayer || !channel.empty() || side_by_side;
+  }
 };
+
+// --calibration and what is said beside it.
+void add_calibration_options(CLI::App& command, SourceArgument& source);
 
 bool is_simulator(const std::string& source);
 // Whether SOURCE and the options beside it make sense together; an error is one of usage.
 Result<void> check_source(const SourceArgument& argument);
 
+// --channel, --side-by-side and --swap-eyes, for every command with a SOURCE.
+void add_eye_options(CLI::App& command, SourceArgument& argument);
+
 // What the command line leaves open, the configuration decides (its simulator for a bare `sim`, its calibration, masks
-// and so on for a recording).
+// and so on for a recording). What was assumed in reading the calibration is told on stderr.
 Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceArgument& argument,
                                                           const daemon::SourceConfig& config);
 

@@ -5,6 +5,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -48,9 +49,13 @@ struct StereoModel {
 
 enum class Distortion {
   none,
-  plumb_bob,    // k1 k2 p1 p2 [k3], as OpenCV
-  rational,     // k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV
-  equidistant,  // Kannala-Brandt fisheye: k1 k2 k3 k4, as OpenCV's fisheye and Kalibr's "equidistant"
+  plumb_bob,         // k1 k2 p1 p2 [k3], as OpenCV
+  rational,          // k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV
+  equidistant,       // Kannala-Brandt fisheye: k1 k2 k3 k4, as OpenCV's fisheye and Kalibr's "equidistant"
+  thin_prism,        // rational, then s1 s2 s3 s4 tau_x tau_y in `prism`, as OpenCV
+  unified,           // Mei's omnidirectional model: xi, then k1 k2 p1 p2 behind the sphere
+  extended_unified,  // Khomutenko et al. 2016: alpha, beta
+  double_sphere,     // Usenko et al. 2018: xi, alpha
 };
 
 // One raw camera.
@@ -63,6 +68,7 @@ struct CameraCalibration {
   double cy_px = 0.0;
   Distortion distortion = Distortion::none;
   std::array<double, 8> coefficients{};  // unused ones are 0
+  std::array<double, 6> prism{};         // of Distortion::thin_prism
 };
 
 // Rectification that a calibration file prescribes (KITTI's R_rect and P_rect, ROS's R and P).
@@ -79,6 +85,7 @@ struct StereoCalibration {
   bool rectified = false;                             // images already are: use `prescribed->model`, warp nothing
   std::optional<PrescribedRectification> prescribed;  // when set it is used; a rectification of our own otherwise
   std::string source;                                 // the file it came from, for messages
+  std::vector<std::string> notes;                     // what was assumed in reading it, each a line for the user
 };
 
 }  // namespace cliquevo

@@ -49,8 +49,11 @@ bool CalibrationCheck::noticeable() const {
 
 std::string describe(const CalibrationCheck& c) {
   char text[512];
-  if (c.frames == 0) return "the calibration is not checked yet";
+  // Without a valid motion the disparities' offset is as uncertain as before the first frame.
+  constexpr double kEvidence = 0.9;
+  if (c.frames == 0) return "not checked: no evidence yet";
   if (!c.noticeable()) {
+    if (c.disparity_offset_sigma_px > kEvidence * kOffsetPrior) return "not checked: no evidence yet";
     std::snprintf(text, sizeof text,
                   "the calibration agrees with the images (disparities to %.2f +- %.2f px, rows to %.2f px)",
                   c.disparity_offset_px, c.disparity_offset_sigma_px, c.vertical_most_px);

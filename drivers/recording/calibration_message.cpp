@@ -6,9 +6,10 @@
 #include <exception>
 
 #include <cliquevo/calibration_t.hpp>
+#include <cliquevo/prism_calibration_t.hpp>
 
+#include "drivers/calibration/checks.h"
 #include "drivers/recording/bytes.h"
-#include "drivers/recording/calibration_common.h"
 
 namespace cliquevo::drivers {
 
@@ -62,17 +63,23 @@ void put(const Image<std::uint8_t>& mask, std::int32_t& size, std::vector<std::u
 
 // Whether the message is as long as its own counts say, which the generated decoder takes memory for unseen.
 bool is_whole(const std::uint8_t* data, std::size_t size) {
+  ByteReader reader(data, size);
+  const bool of_prism = reader.number<std::int64_t>() == prism_calibration_t::getHash();
   // From the texts to the masks: an empty message but for type, time, two texts of one byte and two counts.
   const auto between = static_cast<std::size_t>(calibration_t{}.getEncodedSize()) - 2 * 8 - 2 * (4 + 1) - 2 * 4;
-  ByteReader reader(data, size);
+  const auto behind =
+      of_prism ? static_cast<std::size_t>(prism_calibration_t{}.getEncodedSize() - calibration_t{}.getEncodedSize())
+               : 0;
   const auto counted = [&reader](std::int32_t least) {
     const auto count = reader.number<std::int32_t>();
     return count >= least && reader.bytes(static_cast<std::size_t>(count)) != nullptr;
   };
-  reader.bytes(2 * 8);  // type, time
+  reader.bytes(8);  // time
   const bool texts = counted(1) && counted(1);
   reader.bytes(between);
-  return texts && counted(0) && counted(0) && reader.ok() && reader.left() == 0;
+  const bool masks = counted(0) && counted(0);
+  reader.bytes(behind);
+  return texts && masks && reader.ok() && reader.left() == 0;
 }
 
 bool read_mask(const std::vector<std::uint8_t>& bytes, const CameraCalibration& of, Image<std::uint8_t>& mask) {
@@ -80,6 +87,25 @@ bool read_mask(const std::vector<std::uint8_t>& bytes, const CameraCalibration& 
   if (bytes.size() != static_cast<std::size_t>(of.width) * static_cast<std::size_t>(of.height)) return false;
   mask.copy_from({bytes.data(), of.width, of.height, of.width});
   return true;
+}
+
+template <typename Message>
+std::vector<std::uint8_t> encoded(const Message& m) {
+  std::vector<std::uint8_t> out(static_cast<std::size_t>(m.getEncodedSize()));
+  m.encode(out.data(), 0, static_cast<int>(out.size()));
+  return out;
+}
+
+// False: it is another type, or torn; the message is left empty.
+template <typename Message>
+bool decode(const std::uint8_t* data, std::size_t size, Message& message) {
+  if (size < sizeof(std::int64_t) || size > (std::size_t{1} << 30)) return false;
+  try {  // the generated decoder takes negative lengths for huge ones
+    if (message.decode(data, 0, static_cast<int>(size)) >= 0) return true;
+  } catch (const std::exception&) {
+  }
+  message = Message{};
+  return false;
 }
 
 }  // namespace
@@ -107,29 +133,31 @@ std::vector<std::uint8_t> encode_calibration(const SourceInfo& info, TimestampNs
   std::copy(std::begin(model), std::end(model), m.model);
   put(info.left_mask, m.left_mask_size, m.left_mask);
   put(info.right_mask, m.right_mask_size, m.right_mask);
-  std::vector<std::uint8_t> out(static_cast<std::size_t>(m.getEncodedSize()));
-  m.encode(out.data(), 0, static_cast<int>(out.size()));
-  return out;
+  if (c.left.distortion != Distortion::thin_prism && c.right.distortion != Distortion::thin_prism) return encoded(m);
+  prism_calibration_t with_prism{};
+  with_prism.calibration = m;
+  std::copy(c.left.prism.begin(), c.left.prism.end(), std::begin(with_prism.left_prism));
+  std::copy(c.right.prism.begin(), c.right.prism.end(), std::begin(with_prism.right_prism));
+  return encoded(with_prism);
 }
 
 Result<SourceInfo> parse_calibration_message(const std::uint8_t* data, std::size_t size, const std::string& path) {
   const auto bad = [&path] { return calibration_error("calibration message is torn or of another version", path); };
   if (size > (std::size_t{1} << 30) || !is_whole(data, size)) return bad();
-  calibration_t m{};
-  try {  // the generated decoder takes negative lengths for huge ones
-    if (m.decode(data, 0, static_cast<int>(size)) < 0) return bad();
-  } catch (const std::exception&) {
-    return bad();
-  }
+  prism_calibration_t with_prism{};
+  if (!decode(data, size, with_prism) && !decode(data, size, with_prism.calibration)) return bad();
+  const calibration_t& m = with_prism.calibration;
   SourceInfo info;
   info.description = m.description;
   info.rate_hz = std::isfinite(m.rate_hz) && m.rate_hz > 0.0 ? m.rate_hz : 0.0;
   StereoCalibration c;
   for (const std::int8_t distortion : {m.left_distortion, m.right_distortion}) {
-    if (distortion < calibration_t::NONE || distortion > calibration_t::EQUIDISTANT) return bad();
+    if (distortion < calibration_t::NONE || distortion > calibration_t::DOUBLE_SPHERE) return bad();
   }
   c.left = camera(m.left_width, m.left_height, m.left_camera, m.left_distortion, m.left_coefficients);
   c.right = camera(m.right_width, m.right_height, m.right_camera, m.right_distortion, m.right_coefficients);
+  std::copy(std::begin(with_prism.left_prism), std::end(with_prism.left_prism), c.left.prism.begin());
+  std::copy(std::begin(with_prism.right_prism), std::end(with_prism.right_prism), c.right.prism.begin());
   c.T_right_left.R = matrix(m.R_right_left);
   for (int i = 0; i < 3; ++i) c.T_right_left.t[i] = m.t_right_left[i];
   if (m.prescribed != 0) {
@@ -143,6 +171,7 @@ Result<SourceInfo> parse_calibration_message(const std::uint8_t* data, std::size
   if (c.rectified && !c.prescribed) return bad();
   CalibrationRequest request;
   request.path = path;
+  request.options.baseline_unit_m = 1.0;  // metres, whatever they were told by
   const StereoCalibration as_written = c;
   auto finished = finish_calibration(std::move(c), request);  // its checks; the numbers stay those that were written
   if (!finished) return finished.error();

@@ -2,9 +2,8 @@
 // EuRoC folders: mav0/cam0 and mav0/cam1 with data.csv, sensor.yaml and data/; the mav0 folder itself will do.
 #include <filesystem>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
 #include "drivers/recording/layout.h"
-#include "drivers/recording/stamps.h"
 
 namespace cliquevo::drivers {
 
@@ -23,20 +22,15 @@ Result<std::optional<Layout>> find_euroc(const std::string& path) {
   Layout layout;
   layout.description = "EuRoC folder " + path;
   layout.root = path;
-  // Some leave the images beside the list instead of below data/.
+  // Some leave the images beside the list, or in a folder of another name, instead of below data/.
   const auto images = [&](const char* name) {
     const fs::path camera = root / name;
-    return (fs::is_directory(camera / "data", ec) || !fs::is_directory(camera, ec) ? camera / "data" : camera).string();
+    if (fs::is_directory(camera / "data", ec) || !fs::is_directory(camera, ec)) return (camera / "data").string();
+    const std::vector<ImageFolder> folders = folders_with_images(camera.string(), 1);
+    return folders.empty() ? camera.string() : folders.front().path;
   };
   if (const auto ok = list_eyes(layout, images("cam0"), images("cam1")); !ok) return ok.error();
-  for (Eye* eye : {&layout.left, &layout.right}) {
-    const fs::path camera = root / (eye == &layout.left ? "cam0" : "cam1");
-    if (fs::exists(camera / "data.csv", ec)) {
-      if (const auto ok = stamps_from_file((camera / "data.csv").string(), *eye); !ok) return ok.error();
-    } else {
-      stamps_from_names(*eye);
-    }
-  }
+  if (const auto ok = find_stamps(layout, path); !ok) return ok.error();
   if (fs::exists(root / "cam0/sensor.yaml", ec) || fs::exists(root / "cam1/sensor.yaml", ec)) {
     layout.calibration = (root / "cam0/sensor.yaml").string();
   } else {

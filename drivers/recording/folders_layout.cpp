@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two folders of images side by side, by their usual names.
+// Two folders of images whose paths differ in what tells left from right.
+#include <algorithm>
 #include <array>
 #include <filesystem>
+#include <set>
+#include <tuple>
 #include <utility>
 
-#include "drivers/recording/calibration_common.h"
+#include <fmt/format.h>
+
 #include "drivers/recording/layout.h"
-#include "drivers/recording/stamps.h"
+#include "drivers/recording/side_words.h"
 
 namespace cliquevo::drivers {
 
@@ -14,92 +18,181 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::array<std::pair<const char*, const char*>, 22> kNames{{
-    {"left", "right"},
-    {"Left", "Right"},
-    {"image_0", "image_1"},
-    {"image_00", "image_01"},
-    {"cam0", "cam1"},
-    {"image_2", "image_3"},
-    {"image_02", "image_03"},
-    {"image_left", "image_right"},
-    {"images_left", "images_right"},
-    {"left_images", "right_images"},
-    {"left_image", "right_image"},
-    {"img_left", "img_right"},
-    {"cam_left", "cam_right"},
-    {"left_cam", "right_cam"},
-    {"camera_left", "camera_right"},
-    {"camera0", "camera1"},
-    {"camera_0", "camera_1"},
-    {"cam_0", "cam_1"},
-    {"image0", "image1"},
-    {"infra1", "infra2"},
-    {"l", "r"},
-    {"0", "1"},
-}};
+constexpr int kDepth = 3;
 
-bool is_folder(const fs::path& path) {
-  std::error_code ec;
-  return fs::is_directory(path, ec);
+std::string lower(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
 }
 
-// The eye's images may lie one folder deeper.
-std::string image_folder(const fs::path& eye) { return (is_folder(eye / "data") ? eye / "data" : eye).string(); }
+bool has_word(const ImageFolder& folder, std::initializer_list<const char*> words) {
+  return std::any_of(folder.parts.begin(), folder.parts.end(), [&](const std::string& part) {
+    const std::string name = lower(part);
+    return std::any_of(words.begin(), words.end(), [&](const char* w) { return name.find(w) != std::string::npos; });
+  });
+}
 
-// A times file of this eye alone: in its folder, or beside it.
-std::string own_times(const fs::path& eye) {
-  std::error_code ec;
-  if (fs::exists(eye / "data.csv", ec)) return (eye / "data.csv").string();
-  if (std::string times = find_times(eye.string()); !times.empty()) return times;
-  for (const char* pattern : {"_times.txt", "_timestamps.txt"}) {
-    const fs::path beside = eye.parent_path() / (eye.filename().string() + pattern);
-    if (fs::exists(beside, ec)) return beside.string();
+// Pictures of something else than what the camera sees.
+bool is_by_product(const ImageFolder& f) {
+  return has_word(f, {"disp", "depth", "mask", "seg", "semantic", "flow", "label", "normal", "conf", "occ", "gt",
+                      "ground", "debug", "thumb", "calib", "event"});
+}
+
+bool is_number(const std::string& text) { return text.find_first_not_of("0123456789") == std::string::npos; }
+
+struct FolderPair {
+  const ImageFolder* left = nullptr;
+  const ImageFolder* right = nullptr;
+  int kind = 0;
+  std::string parent;        // what both have in common before their paths part
+  bool bare_number = false;  // nothing but a number tells
+
+  // The lower, the likelier it is meant.
+  auto rank() const {
+    const bool rectified = has_word(*left, {"rect", "undist"}) && !has_word(*left, {"unrect", "nonrect"});
+    return std::tuple(is_by_product(*left), left->parts.size(), bare_number, kind, !rectified);
   }
-  return {};
+  // Paths that part at the beginning hide no recording of their own in their parent.
+  std::string name() const {
+    std::string out;
+    for (const std::string& part : left->parts) out += (out.empty() ? "" : "/") + part;
+    return out;
+  }
+};
+
+// Part by part the same, or left and right of the same kind.
+std::optional<FolderPair> pair_of(const ImageFolder& left, const ImageFolder& right) {
+  if (left.parts.size() != right.parts.size() || left.path == right.path) return std::nullopt;
+  FolderPair out{&left, &right, -1, {}, false};
+  for (std::size_t i = 0; i < left.parts.size(); ++i) {
+    if (left.parts[i] == right.parts[i]) {
+      if (out.kind < 0) out.parent += (out.parent.empty() ? "" : "/") + left.parts[i];
+      continue;
+    }
+    const auto kind = pair_kind(left.parts[i], right.parts[i]);
+    if (!kind) return std::nullopt;
+    if (out.kind < 0) out.kind = *kind;
+    out.bare_number = out.bare_number || is_number(left.parts[i]);
+  }
+  return out.kind < 0 ? std::nullopt : std::optional(out);
 }
 
 bool same_names(const Eye& a, const Eye& b) {
-  if (a.images.size() != b.images.size()) return false;
-  for (std::size_t i = 0; i < a.images.size(); ++i) {
-    if (a.images[i].name != b.images[i].name) return false;
-  }
-  return true;
+  return std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(),
+                    [](const EyeImage& x, const EyeImage& y) { return x.name == y.name; });
 }
 
-Result<void> find_stamps(Layout& layout, const fs::path& left, const fs::path& right) {
-  const std::string left_times = own_times(left);
-  const std::string right_times = own_times(right);
-  if (!left_times.empty() && !right_times.empty()) {
-    if (auto ok = stamps_from_file(left_times, layout.left); !ok) return ok;
-    return stamps_from_file(right_times, layout.right);
+// Names that tell the side themselves ("left_0001" and "right_0001") lose that word, so that they match by name.
+void strip_sides(Layout& layout) {
+  if (same_names(layout.left, layout.right) || layout.left.images.empty()) return;
+  for (const SideReading& reading : read_sides(layout.left.images.front().name)) {
+    if (reading.side != Side::left || reading.kind >= kFirstNumberKind + 4) continue;
+    const auto stripped = [&](const Eye& eye, Side side) -> std::optional<Eye> {
+      Eye out = eye;
+      std::set<std::string> seen;
+      for (EyeImage& image : out.images) {
+        const auto name = without_side(image.name, reading.kind, side);
+        if (!name || name->empty() || !seen.insert(*name).second) return std::nullopt;
+        image.name = *name;
+      }
+      std::sort(out.images.begin(), out.images.end(),
+                [](const EyeImage& a, const EyeImage& b) { return natural_less(a.name, b.name); });
+      return out;
+    };
+    auto left = stripped(layout.left, Side::left);
+    auto right = stripped(layout.right, Side::right);
+    if (!left || !right || !same_names(*left, *right)) continue;
+    layout.left = std::move(*left);
+    layout.right = std::move(*right);
+    return;
   }
-  // One list of times serves both eyes only where the names say which images belong together.
-  const std::string times = left_times.empty() ? find_times(layout.root) : left_times;
-  if (same_names(layout.left, layout.right) && !times.empty()) return stamps_from_file(times, layout.left);
-  if (stamps_from_names(layout.left)) {
-    stamps_from_names(layout.right);
-    return {};
+}
+
+// Of the pairs that rank equally: the one to take, and whether others are recordings of their own.
+Result<FolderPair> choose(const std::vector<FolderPair>& pairs, const std::string& path,
+                          std::vector<std::string>& notes) {
+  const FolderPair* best = &pairs.front();
+  for (const FolderPair& pair : pairs) {
+    if (pair.rank() < best->rank()) best = &pair;
   }
-  return times.empty() ? Result<void>{} : stamps_from_file(times, layout.left);
+  std::set<std::string> parents;
+  std::vector<std::string> others;
+  for (const FolderPair& pair : pairs) {
+    if (pair.rank() != best->rank()) continue;
+    parents.insert(pair.parent);
+    if (&pair != best) others.push_back(pair.name());
+  }
+  if (parents.size() > 1) {
+    std::string names;
+    for (const std::string& parent : parents) names += (names.empty() ? "" : ", ") + parent;
+    return Error{"folder holds several recordings", path, "name one of them: " + names.substr(0, 400)};
+  }
+  if (!others.empty()) notes.push_back(fmt::format("{} taken, {} is there as well", best->name(), others.front()));
+  return *best;
 }
 
 }  // namespace
 
 Result<std::optional<Layout>> find_two_folders(const std::string& path) {
-  const fs::path root(path);
-  for (const bool both : {true, false}) {  // a whole pair first: "left" alone beside image_0 and image_1 is no eye
-    for (const auto& [left_name, right_name] : kNames) {
-      const fs::path left = root / left_name;
-      const fs::path right = root / right_name;
-      if (both ? !(is_folder(left) && is_folder(right)) : !(is_folder(left) || is_folder(right))) continue;
-      Layout layout;
-      layout.description = "two folders of images in " + path;
-      layout.root = path;
-      if (auto ok = list_eyes(layout, image_folder(left), image_folder(right)); !ok) return ok.error();
-      if (auto ok = find_stamps(layout, left, right); !ok) return ok.error();
-      layout.calibration = find_calibration(path);
-      return std::optional<Layout>(std::move(layout));
+  const std::vector<ImageFolder> folders = folders_with_images(path, kDepth);
+  std::vector<FolderPair> pairs;
+  for (const ImageFolder& left : folders) {
+    for (const ImageFolder& right : folders) {
+      if (auto pair = pair_of(left, right)) pairs.push_back(std::move(*pair));
+    }
+  }
+  // Folders that are but numbered are two cameras only where there are no more than two.
+  const auto numbered = std::count_if(folders.begin(), folders.end(), [](const ImageFolder& f) {
+    return !f.parts.empty() && is_number(f.parts.front());
+  });
+  if (numbered > 2) {
+    pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const FolderPair& p) { return p.bare_number; }),
+                pairs.end());
+  }
+  if (pairs.empty()) return std::optional<Layout>{};
+  Layout layout;
+  const auto best = choose(pairs, path, layout.notes);
+  if (!best) return best.error();
+  const fs::path parent = fs::path(path) / best->parent;
+  layout.description = "two folders of images in " + parent.lexically_normal().string();
+  if (best->parent.empty()) layout.description = "two folders of images in " + path;
+  layout.root = best->parent.empty() ? path : parent.string();
+  if (best->left->parts.size() > 1 || best->kind != kWordKind) {
+    layout.description += fmt::format(" ({} left)", best->name());
+  }
+  if (auto ok = list_eyes(layout, best->left->path, best->right->path); !ok) return ok.error();
+  strip_sides(layout);
+  if (auto ok = find_stamps(layout, path); !ok) return ok.error();
+  layout.calibration = calibration_between(layout.root, path);
+  return std::optional<Layout>(std::move(layout));
+}
+
+Result<std::optional<Layout>> find_lonely_eye(const std::string& path) {
+  for (const ImageFolder& folder : folders_with_images(path, 2)) {
+    if (folder.parts.empty()) continue;
+    for (std::size_t i = 0; i < folder.parts.size(); ++i) {
+      const std::vector<SideReading> readings = read_sides(folder.parts[i]);
+      if (readings.empty() || readings.front().kind != kWordKind) continue;
+      const bool left = readings.front().side == Side::left;
+      // The other word in the same case.
+      std::string partner = folder.parts[i];
+      const std::string word = left ? "left" : "right";
+      std::string other = left ? "right" : "left";
+      const std::size_t at = lower(partner).find(word);
+      const bool capital = partner[at] >= 'A' && partner[at] <= 'Z';
+      const bool capitals = capital && partner[at + 1] >= 'A' && partner[at + 1] <= 'Z';
+      for (std::size_t k = 0; k < other.size(); ++k) {
+        if (capitals || (capital && k == 0)) other[k] = static_cast<char>(other[k] - 'a' + 'A');
+      }
+      partner.replace(at, word.size(), other);
+      fs::path missing(path);
+      for (std::size_t k = 0; k < folder.parts.size(); ++k) missing /= k == i ? partner : folder.parts[k];
+      std::error_code ec;
+      if (fs::is_directory(missing, ec)) {
+        return Error{"folder holds no images", missing.string(), "copy the recording again (png, jpg, pgm, ...)"};
+      }
+      return Error{left ? "right eye is missing" : "left eye is missing", missing.string(),
+                   "copy both eyes of the recording"};
     }
   }
   return std::optional<Layout>{};

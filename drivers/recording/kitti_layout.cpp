@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/stamps.h"
 
@@ -33,30 +33,48 @@ bool looks_like_kitti_calibration(const fs::path& file) {
 
 }  // namespace
 
-Result<std::optional<Layout>> find_kitti_raw(const std::string& path) {
-  const fs::path root(path);
+namespace {
+
+// In the drive's own folder, in the day's above it, or, for KITTI-360, in calibration/ beside data_2d_raw/.
+std::string calibration_of_drive(const fs::path& drive) {
+  std::error_code ec;
+  fs::path at = fs::canonical(drive, ec);
+  for (int up = 0; up < 3; ++up, at = at.parent_path()) {
+    const fs::path perspective = at / "calibration" / "perspective.txt";
+    if (fs::is_regular_file(perspective, ec)) return perspective.string();
+    if (fs::is_regular_file(at / "perspective.txt", ec)) return (at / "perspective.txt").string();
+    if (up == 2) break;
+    if (std::string found = find_calibration(at.string()); !found.empty()) return found;
+  }
+  return {};
+}
+
+Result<std::optional<Layout>> find_drive(const fs::path& root, const std::string& images, const std::string& name) {
   for (const int first : {0, 2}) {
     const fs::path left = root / ("image_0" + std::to_string(first));
     const fs::path right = root / ("image_0" + std::to_string(first + 1));
-    if (!is_folder(left / "data") && !is_folder(right / "data")) continue;
+    if (!is_folder(left / images) && !is_folder(right / images)) continue;
     Layout layout;
-    layout.description = "KITTI raw drive " + path;
-    layout.root = path;
+    layout.description = name + " " + root.string();
+    layout.root = root.string();
     layout.left_camera = first;
     layout.right_camera = first + 1;
-    if (const auto ok = list_eyes(layout, (left / "data").string(), (right / "data").string()); !ok) return ok.error();
+    if (const auto ok = list_eyes(layout, (left / images).string(), (right / images).string()); !ok) return ok.error();
     if (const std::string times = find_times(left.string()); !times.empty()) {
-      if (const auto ok = stamps_from_file(times, layout.left); !ok) return ok.error();
+      if (const auto ok = stamps_from_file(times, layout.left, layout.notes); !ok) return ok.error();
     }
-    // The drive's own folder, or the day's above it.
-    layout.calibration = find_calibration(path);
-    std::error_code ec;
-    if (layout.calibration.empty()) {
-      layout.calibration = find_calibration(fs::canonical(root, ec).parent_path().string());
-    }
+    layout.calibration = calibration_of_drive(root);
     return std::optional<Layout>(std::move(layout));
   }
   return std::optional<Layout>{};
+}
+
+}  // namespace
+
+Result<std::optional<Layout>> find_kitti_raw(const std::string& path) {
+  auto found = find_drive(path, "data_rect", "KITTI-360 drive");
+  if (!found || *found) return found;
+  return find_drive(path, "data", "KITTI raw drive");
 }
 
 Result<std::optional<Layout>> find_kitti_odometry(const std::string& path) {
@@ -74,7 +92,7 @@ Result<std::optional<Layout>> find_kitti_odometry(const std::string& path) {
     layout.calibration = (root / "calib.txt").string();
     if (const auto ok = list_eyes(layout, left.string(), right.string()); !ok) return ok.error();
     if (const std::string times = find_times(path); !times.empty()) {
-      if (const auto ok = stamps_from_file(times, layout.left); !ok) return ok.error();
+      if (const auto ok = stamps_from_file(times, layout.left, layout.notes); !ok) return ok.error();
     }
     return std::optional<Layout>(std::move(layout));
   }

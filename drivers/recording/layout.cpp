@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <system_error>
 
+#include "drivers/calibration/calibration.h"
+
 namespace cliquevo::drivers {
 
 namespace fs = std::filesystem;
@@ -90,21 +92,110 @@ Result<void> list_eyes(Layout& layout, const std::string& left_folder, const std
   return {};
 }
 
-Result<Layout> find_layout(const std::string& path) {
+namespace {
+
+bool has_images(const fs::path& folder) {
+  std::error_code ec;
+  for (fs::directory_iterator entry(folder, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
+    const std::string name = entry->path().filename().string();
+    if (name.front() != '.' && is_image_name(name) && !entry->is_directory(ec)) return true;
+  }
+  return false;
+}
+
+constexpr std::size_t kMostWithImages = 300;
+constexpr std::size_t kMostFolders = 5000;  // visited: somebody may name the root of a disk
+
+void collect(const fs::path& folder, std::vector<std::string>& parts, int depth, std::size_t& visited,
+             std::vector<ImageFolder>& out) {
+  if (++visited > kMostFolders || out.size() >= kMostWithImages) return;
+  if (has_images(folder)) out.push_back({parts, folder.string()});
+  if (depth == 0) return;
+  std::vector<std::string> names;
+  std::error_code ec;
+  for (fs::directory_iterator entry(folder, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
+    std::string name = entry->path().filename().string();
+    std::error_code ignored;
+    if (name.front() != '.' && entry->is_directory(ignored)) names.push_back(std::move(name));
+  }
+  std::sort(names.begin(), names.end(), natural_less);
+  for (const std::string& name : names) {
+    parts.push_back(name);
+    collect(folder / name, parts, depth - 1, visited, out);
+    parts.pop_back();
+  }
+}
+
+// "12 images in frames, 4 in depth; folders a, b" for a message, not too long.
+std::string what_is_there(const std::string& path) {
+  constexpr std::size_t kMostNames = 6;
+  std::string out;
+  const std::vector<ImageFolder> folders = folders_with_images(path, 3);
+  for (std::size_t i = 0; i < std::min(folders.size(), kMostNames); ++i) {
+    const Result<Eye> eye = list_eye(folders[i].path);
+    std::string name;
+    for (const std::string& part : folders[i].parts) name += (name.empty() ? "" : "/") + part;
+    if (!out.empty()) out += ", ";
+    out += eye ? std::to_string(eye->images.size()) + " images" : "images";
+    out += " in " + (name.empty() ? "it" : name);
+  }
+  if (folders.size() > kMostNames)
+    out += ", and " + std::to_string(folders.size() - kMostNames) + " more folders of images";
+  return out.empty() ? "no image in it, nor three levels down" : out;
+}
+
+}  // namespace
+
+std::vector<ImageFolder> folders_with_images(const std::string& path, int depth) {
+  std::vector<ImageFolder> out;
+  std::vector<std::string> parts;
+  std::size_t visited = 0;
+  collect(path, parts, depth, visited, out);
+  return out;
+}
+
+std::string calibration_between(const std::string& folder, const std::string& top) {
+  std::error_code ec;
+  const fs::path last = fs::weakly_canonical(top, ec);
+  for (fs::path at = fs::weakly_canonical(folder, ec);; at = at.parent_path()) {
+    if (std::string found = find_calibration(at.string()); !found.empty()) return found;
+    for (const char* name : {"calibration", "calib", "calibrations", "calibs", "params", "config"}) {
+      if (!fs::is_directory(at / name, ec)) continue;
+      if (std::string found = find_calibration((at / name).string()); !found.empty()) return found;
+    }
+    if (at == last || at == at.parent_path()) return {};
+  }
+}
+
+const std::vector<LayoutKind>& layout_kinds() {
+  static const std::vector<LayoutKind> kinds{
+      {"EuRoC (mav0/cam0, mav0/cam1)", find_euroc},
+      {"KITTI raw and KITTI-360 (image_00/data, image_01/data; image_00/data_rect, ...)", find_kitti_raw},
+      {"KITTI odometry (image_0, image_1, calib.txt)", find_kitti_odometry},
+      {"two folders, up to three levels down, whose names differ in left/right, l/r, 0/1, 1/2 or the like",
+       find_two_folders},
+      {"one folder with images whose names differ so", find_names_in_one_folder},
+      {"side-by-side images, where their halves match (or --side-by-side says so)", find_side_by_side},
+      {"LCM logs (*.lcm)", find_lonely_eye}};
+  return kinds;
+}
+
+Result<Layout> find_layout(const std::string& path, bool side_by_side) {
   std::error_code ec;
   if (path.empty()) return Error{"no such recording", "empty name", "name the folder that holds both eyes"};
   if (!fs::exists(path, ec)) return Error{"no such recording", path, "check the name of the folder"};
   if (!fs::is_directory(path, ec))
     return Error{"recording is no folder", path, "name the folder that holds both eyes, or an LCM event log"};
-  for (const auto find : {find_euroc, find_kitti_raw, find_kitti_odometry, find_two_folders}) {
-    Result<std::optional<Layout>> found = find(path);
+  if (fs::is_empty(path, ec)) return Error{"recording folder is empty", path, "copy the recording again"};
+  if (side_by_side) return read_side_by_side(path);
+  std::string looked_for;
+  for (const LayoutKind& kind : layout_kinds()) {
+    Result<std::optional<Layout>> found = kind.find(path);
     if (!found) return found.error();
     if (*found) return std::move(**found);
+    looked_for += (looked_for.empty() ? "" : "; ") + std::string(kind.looks_like);
   }
-  if (fs::is_empty(path, ec)) return Error{"recording folder is empty", path, "copy the recording again"};
-  return Error{"no stereo recording", path,
-               "expected KITTI (image_0, image_1 or image_00/data, image_01/data), EuRoC (mav0/cam0, mav0/cam1), two "
-               "folders of images (left, right) or LCM logs (*.lcm)"};
+  return Error{"no stereo recording", path, "there is " + what_is_there(path) + "; looked for " + looked_for};
 }
 
 }  // namespace cliquevo::drivers

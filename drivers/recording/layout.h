@@ -30,7 +30,9 @@ struct Layout {
   Eye right;
   int left_camera = 0;  // numbers in calibration files that hold more cameras
   int right_camera = 1;
-  std::string calibration;  // file or folder; empty = none found
+  std::string calibration;         // file or folder; empty = none found
+  bool side_by_side = false;       // one file a pair, left half and right half; then `right` is as `left`
+  std::vector<std::string> notes;  // what was concluded, left out or chosen, for the user to know
 };
 
 // Each: nothing when the folder is not of its format, an error when it is but is broken.
@@ -38,9 +40,20 @@ Result<std::optional<Layout>> find_euroc(const std::string& path);
 Result<std::optional<Layout>> find_kitti_raw(const std::string& path);
 Result<std::optional<Layout>> find_kitti_odometry(const std::string& path);
 Result<std::optional<Layout>> find_two_folders(const std::string& path);
+Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path);
+Result<std::optional<Layout>> find_side_by_side(const std::string& path);  // where the halves are seen to match
+Result<Layout> read_side_by_side(const std::string& path);                 // said to be so
+Result<std::optional<Layout>> find_lonely_eye(const std::string& path);    // only ever an error: the other is missing
 
-// The finders in turn; an error tells what was expected.
-Result<Layout> find_layout(const std::string& path);
+// The layouts, in the order in which they are tried.
+struct LayoutKind {
+  const char* looks_like;  // for the message where none fits
+  Result<std::optional<Layout>> (*find)(const std::string& path);
+};
+const std::vector<LayoutKind>& layout_kinds();
+
+// The first of them that fits; an error tells what was looked for and what is there. side_by_side: said by the user.
+Result<Layout> find_layout(const std::string& path, bool side_by_side = false);
 
 // Shared by the finders.
 
@@ -48,8 +61,21 @@ Result<Layout> find_layout(const std::string& path);
 Result<Eye> list_eye(const std::string& folder);
 // Both eyes; an error that names the missing one.
 Result<void> list_eyes(Layout& layout, const std::string& left_folder, const std::string& right_folder);
+// Stamps for both eyes of a layout: from each eye's own times file, else from one for both in their common folder or
+// above it up to `top`, else from the names.
+Result<void> find_stamps(Layout& layout, const std::string& top);
+// The calibration in one of the folders from `folder` up to `top`, or in their folders for such files.
+std::string calibration_between(const std::string& folder, const std::string& top);
 // Whether the extension is one of an image.
 bool is_image_name(const std::string& file);
 bool natural_less(const std::string& a, const std::string& b);
+
+// A folder with images, somewhere below another.
+struct ImageFolder {
+  std::vector<std::string> parts;  // of its path below the other; empty = that folder itself
+  std::string path;
+};
+// At most `depth` levels down, in natural order; hidden folders are left out.
+std::vector<ImageFolder> folders_with_images(const std::string& path, int depth);
 
 }  // namespace cliquevo::drivers

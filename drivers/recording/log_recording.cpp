@@ -8,12 +8,15 @@
 
 #include <fmt/format.h>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/checks.h"
+#include "drivers/masks.h"
 #include "drivers/recording/calibration_message.h"
 #include "drivers/recording/event_log.h"
+#include "drivers/recording/image_reader.h"
 #include "drivers/recording/pair_store.h"
 #include "drivers/recording/pairing.h"
 #include "drivers/recording/stereo_message.h"
+#include "drivers/recording/times_file.h"
 
 namespace cliquevo::drivers {
 
@@ -26,88 +29,158 @@ struct LoggedPair {
   std::size_t file = 0;
   LoggedEvent event;
   TimestampNs stamp_ns = 0;
+  int calibration = -1;  // the one in force, -1 = none came before
 };
 
 struct Contents {
   std::vector<EventLogReader> files;
   std::vector<LoggedPair> pairs;
-  std::optional<SourceInfo> info;  // of the first calibration
+  std::vector<SourceInfo> calibrations;  // in order, each unlike the one before
   LogDamage damage;
 };
 
-class LoggedPairs final : public PairStore {
+// The images of a message, decoded where they are compressed.
+class MessageReader {
  public:
-  LoggedPairs(std::vector<EventLogReader> files, std::vector<LoggedPair> pairs, int width, int height)
-      : files_(std::move(files)), pairs_(std::move(pairs)), width_(width), height_(height) {}
-
-  std::int64_t size() const override { return static_cast<std::int64_t>(pairs_.size()); }
-  TimestampNs stamp_ns(std::int64_t i) const override { return pairs_[static_cast<std::size_t>(i)].stamp_ns; }
-  Result<void> load(std::int64_t i, StereoPair& pair) override {
-    const LoggedPair& at = pairs_[static_cast<std::size_t>(i)];
-    const EventLogReader& file = files_[at.file];
-    if (auto ok = file.read(at.event, bytes_); !ok) return ok;
-    const std::string name = fmt::format("{}, pair {}", file.path(), i);
+  Result<void> read(const EventLogReader& file, const LoggedEvent& event, const std::string& name, StereoPair& pair) {
+    if (auto ok = file.read(event, bytes_); !ok) return ok;
     const auto message = parse_stereo(bytes_.data(), bytes_.size(), name);
     if (!message) return message.error();
-    for (const StereoMessageEye* eye : {&message->left, &message->right}) {
-      if (eye->image.same_size(width_, height_)) continue;
-      return Error{"image has another size than the recording", name,
-                   fmt::format("it is {}x{}, the others are {}x{}: choose pairs of one size", eye->image.width,
-                               eye->image.height, width_, height_)};
-    }
-    pair.left.copy_from(message->left.image);
-    pair.right.copy_from(message->right.image);
+    if (auto ok = take(message->left, name + ", left", pair.left); !ok) return ok;
+    if (auto ok = take(message->right, name + ", right", pair.right); !ok) return ok;
     pair.right_offset_ns = message->right.stamp_ns - message->left.stamp_ns;
     pair.host_ns = message->left.host_ns;
     return {};
   }
+  std::int64_t warned() const { return images_.warned(); }
+
+ private:
+  Result<void> take(const StereoMessageEye& eye, const std::string& name, Image<std::uint8_t>& image) {
+    if (eye.jpeg != nullptr) return images_.decode(eye.jpeg, eye.jpeg_size, name, image);
+    image.copy_from(eye.image);
+    return {};
+  }
+
+  ImageReader images_;
+  std::vector<std::uint8_t> bytes_;
+};
+
+class LoggedPairs final : public PairStore {
+ public:
+  LoggedPairs(std::vector<EventLogReader> files, std::vector<LoggedPair> pairs, std::vector<std::int64_t> numbers,
+              int width, int height)
+      : files_(std::move(files)),
+        pairs_(std::move(pairs)),
+        numbers_(std::move(numbers)),
+        width_(width),
+        height_(height) {}
+
+  std::int64_t size() const override { return static_cast<std::int64_t>(pairs_.size()); }
+  std::string name(std::int64_t i) const override {
+    const auto at = static_cast<std::size_t>(i);
+    return fmt::format("{}, pair {}", files_[pairs_[at].file].path(), numbers_[at]);
+  }
+  Result<void> load(std::int64_t i, StereoPair& pair) override {
+    const LoggedPair& at = pairs_[static_cast<std::size_t>(i)];
+    if (auto ok = reader_.read(files_[at.file], at.event, name(i), pair); !ok) return ok;
+    for (const Image<std::uint8_t>* image : {&pair.left, &pair.right}) {
+      if (image->cview().same_size(width_, height_)) continue;
+      return Error{"image has another size than the recording", name(i),
+                   fmt::format("it is {}x{}, the others are {}x{}: choose pairs of one size", image->width(),
+                               image->height(), width_, height_)};
+    }
+    return {};
+  }
+  std::int64_t warned() const override { return reader_.warned(); }
 
  private:
   std::vector<EventLogReader> files_;
   std::vector<LoggedPair> pairs_;
+  std::vector<std::int64_t> numbers_;  // among all pairs of the log
   int width_;
   int height_;
-  std::vector<std::uint8_t> bytes_;
+  MessageReader reader_;
 };
 
-// Pairs are on the channel that we write, else on the one channel that carries stereo messages.
+// What makes two calibrations the same, whenever and under whatever name they were written.
+std::vector<std::uint8_t> content_of(SourceInfo& info) {
+  const std::string description = std::exchange(info.description, {});
+  const std::string source = std::exchange(info.calibration.source, {});
+  const double rate_hz = std::exchange(info.rate_hz, 0.0);
+  std::vector<std::uint8_t> out = encode_calibration(info, 0);
+  info.description = description;
+  info.calibration.source = source;
+  info.rate_hz = rate_hz;
+  return out;
+}
+
+// Sorts a log's events into calibrations and stereo pairs by channel.
 class Collector {
  public:
   void add(const EventLogReader& file, std::size_t number, std::string_view channel, const LoggedEvent& event,
            Contents& contents) {
-    if (channel == kCalibrationChannel && !contents.info) {
-      if (!file.read(event, bytes_)) return;
-      auto info = parse_calibration_message(bytes_.data(), bytes_.size(), file.path());
-      if (info) {
-        contents.info = std::move(*info);
-      } else if (!calibration_error) {
-        calibration_error = info.error();
-      }
+    if (channel == kCalibrationChannel) {
+      add_calibration(file, event, contents);
       return;
     }
-    auto known = channels_.find(channel);
-    if (known == channels_.end()) {
-      const bool images = file.read(event, bytes_, 8).ok() && is_images_message(bytes_.data(), bytes_.size());
-      known = channels_.emplace(std::string(channel), images).first;
+    if (!is_stereo(file, channel, event)) return;
+    pairs_[std::string(channel)].push_back({number, event, 0, static_cast<int>(contents.calibrations.size()) - 1});
+  }
+
+  // Of the channel that was asked for, else of the only one there is.
+  Result<std::vector<LoggedPair>> pairs(const RecordingOptions& options) {
+    if (pairs_.empty()) {
+      return Error{"no stereo pair in the log", options.path, "name a log with images_t messages (VO_STEREO)"};
     }
-    if (known->second) pairs_[known->first].push_back({number, event, 0});
+    std::string names;
+    for (const auto& [channel, of_it] : pairs_) {
+      names += fmt::format("{}{} ({} pairs)", names.empty() ? "" : ", ", channel, of_it.size());
+    }
+    if (options.channel.empty() && pairs_.size() > 1) {
+      return Error{"log holds several stereo channels", options.path, "choose one with --channel NAME: " + names};
+    }
+    const auto wanted = options.channel.empty() ? pairs_.begin() : pairs_.find(options.channel);
+    if (wanted != pairs_.end()) return std::move(wanted->second);
+    return Error{"log has no stereo pairs on this channel", fmt::format("{} ({})", options.path, options.channel),
+                 "choose one of " + names};
   }
-  std::vector<LoggedPair> pairs() {
-    const auto ours = pairs_.find(kStereoChannel);
-    if (ours != pairs_.end()) return std::move(ours->second);
-    return pairs_.empty() ? std::vector<LoggedPair>{} : std::move(pairs_.begin()->second);
-  }
+
   std::optional<Error> calibration_error;
 
  private:
-  std::map<std::string, bool, std::less<>> channels_;  // whether it carries images
+  static constexpr int kTries = 8;  // messages of a channel that are looked at before it is given up
+
+  void add_calibration(const EventLogReader& file, const LoggedEvent& event, Contents& contents) {
+    if (!file.read(event, bytes_)) return;
+    auto info = parse_calibration_message(bytes_.data(), bytes_.size(), file.path());
+    if (!info) {
+      if (!calibration_error) calibration_error = info.error();
+      return;
+    }
+    std::vector<std::uint8_t> content = content_of(*info);
+    if (!contents.calibrations.empty() && content == last_calibration_) return;
+    contents.calibrations.push_back(std::move(*info));
+    last_calibration_ = std::move(content);
+  }
+  bool is_stereo(const EventLogReader& file, std::string_view channel, const LoggedEvent& event) {
+    auto known = tries_left_.find(channel);
+    if (known == tries_left_.end()) known = tries_left_.emplace(std::string(channel), kTries).first;
+    if (known->second < 0) return true;
+    if (known->second == 0) return false;
+    const bool stereo = file.read(event, bytes_, 256).ok() && is_stereo_message(bytes_.data(), bytes_.size());
+    known->second = stereo ? -1 : known->second - 1;
+    return stereo;
+  }
+
+  std::map<std::string, int, std::less<>> tries_left_;  // by channel; -1 = it carries stereo pairs
   std::map<std::string, std::vector<LoggedPair>> pairs_;
+  std::vector<std::uint8_t> last_calibration_;
   std::vector<std::uint8_t> bytes_;
 };
 
 // A damaged log may hold any number: the difference of two stamps still is one.
 TimestampNs from_us(std::int64_t us) {
-  constexpr std::int64_t kMostUs = INT64_MAX / 2000;
+  constexpr std::int64_t kMostUs = kMostStampNs / 1000;
   return std::clamp(us, -kMostUs, kMostUs) * 1000;
 }
 
@@ -126,7 +199,8 @@ void read_stamps(Contents& contents) {
     metadata.data_at += start.metadata_at;
     metadata.size -= static_cast<std::int32_t>(start.metadata_at);
     if (!file.read(metadata, bytes, kEnough)) continue;
-    pair.stamp_ns = parse_stereo_stamp(bytes.data(), bytes.size()).value_or(pair.stamp_ns);
+    const TimestampNs stamp_ns = parse_stereo_stamp(bytes.data(), bytes.size()).value_or(pair.stamp_ns);
+    pair.stamp_ns = std::clamp(stamp_ns, -kMostStampNs, kMostStampNs);
   }
 }
 
@@ -151,11 +225,10 @@ Result<Contents> read_logs(const std::vector<std::string>& paths, const Recordin
     file.scan(
         [&](std::string_view channel, const LoggedEvent& event) { collector.add(file, i, channel, event, contents); });
   }
-  contents.pairs = collector.pairs();
-  if (contents.pairs.empty()) {
-    return Error{"no stereo pair in the log", options.path, "name a log with images_t messages (VO_STEREO)"};
-  }
-  if (!contents.info && options.calibration.empty()) {
+  auto pairs = collector.pairs(options);
+  if (!pairs) return pairs.error();
+  contents.pairs = std::move(*pairs);
+  if (contents.calibrations.empty() && options.calibration.empty()) {
     if (collector.calibration_error) return *collector.calibration_error;
     return Error{"recording has no calibration", options.path, "name one with --calibration FILE"};
   }
@@ -163,16 +236,43 @@ Result<Contents> read_logs(const std::vector<std::string>& paths, const Recordin
 }
 
 Result<std::pair<int, int>> size_of_first(const Contents& contents) {
-  std::vector<std::uint8_t> bytes;
+  MessageReader reader;
+  StereoPair pair;
   std::optional<Error> error;
-  for (const LoggedPair& pair : contents.pairs) {
-    const EventLogReader& file = contents.files[pair.file];
-    if (auto ok = file.read(pair.event, bytes); !ok) return ok.error();
-    const auto message = parse_stereo(bytes.data(), bytes.size(), file.path());
-    if (message) return std::pair{message->left.image.width, message->left.image.height};
-    if (!error) error = message.error();
+  for (const LoggedPair& at : contents.pairs) {
+    const EventLogReader& file = contents.files[at.file];
+    auto read = reader.read(file, at.event, file.path(), pair);
+    if (read) return std::pair{pair.left.width(), pair.left.height()};
+    if (!error) error = read.error();
   }
   return *error;
+}
+
+// Only what one calibration holds for is played at once.
+Result<int> calibration_of(const Contents& contents, const std::vector<std::int64_t>& numbers,
+                           const RecordingOptions& options) {
+  const auto in_force = [&](std::size_t i) { return std::max(0, contents.pairs[i].calibration); };
+  for (std::size_t i = 1; i < contents.pairs.size(); ++i) {
+    if (in_force(i) == in_force(0)) continue;
+    return Error{
+        "log has another calibration later on", fmt::format("{}, pair {}", options.path, numbers[i]),
+        fmt::format("play it in parts: --last {}, then --first {}; or name one for all with --calibration FILE",
+                    numbers[i] - 1, numbers[i])};
+  }
+  return in_force(0);
+}
+
+std::string describe_log(const RecordingOptions& options, std::size_t files, const LogDamage& damage) {
+  std::string out = fmt::format("LCM log {}", options.path);
+  if (!options.channel.empty()) out += fmt::format(" (channel {})", options.channel);
+  if (files > 1) out += fmt::format(" ({} files)", files);
+  if (damage.torn_tail > 0) {
+    out += fmt::format(" (cut off: {} bytes behind its last whole event)", damage.torn_tail);
+  }
+  if (damage.broken_places > 0) {
+    out += fmt::format(" (damaged in {} places: events left out)", damage.broken_places);
+  }
+  return out;
 }
 
 }  // namespace
@@ -201,47 +301,57 @@ Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& f
   for (const std::int64_t i : *chosen) pairs.push_back(contents.pairs[static_cast<std::size_t>(i)]);
   contents.pairs = std::move(pairs);
   read_stamps(contents);
+  std::vector<TimestampNs> recorded;
+  for (std::size_t i = 0; i < contents.pairs.size(); ++i) {
+    const auto number = static_cast<std::size_t>((*chosen)[i]);
+    recorded.push_back(options.rate_hz ? stamp_at(number, *options.rate_hz) : contents.pairs[i].stamp_ns);
+  }
+  auto stamps = make_rising(recorded, options.path);
+  if (!stamps) return stamps.error();
 
   const auto size = size_of_first(contents);
   if (!size) return size.error();
-  SourceInfo info = contents.info ? std::move(*contents.info) : SourceInfo{};
+  if (options.calibration.empty() && !options.calibration_options.empty()) {
+    return Error{"log has its calibration in it", options.path,
+                 "baseline unit, lens and rectified are for a calibration file: name it, or leave them out"};
+  }
+  SourceInfo info;
   if (!options.calibration.empty()) {
+    if (!contents.calibrations.empty()) info = std::move(contents.calibrations.front());
     CalibrationRequest request;
     request.path = options.calibration;
     request.width = size->first;
     request.height = size->second;
-    auto calibration = read_calibration(request);
+    request.options = options.calibration_options;
+    std::vector<EventLogReader> again;
+    for (const EventLogReader& log : contents.files) {
+      auto reader = EventLogReader::open(log.path());
+      if (!reader) return reader.error();
+      again.push_back(std::move(*reader));
+    }
+    LoggedPairs store(std::move(again), contents.pairs, *chosen, size->first, size->second);
+    auto calibration = calibrate(request, store);
     if (!calibration) return calibration.error();
     info.calibration = std::move(*calibration);
-  } else if (info.width != size->first || info.height != size->second) {
-    return size_error(options.path, info.width, info.height, size->first, size->second);
+  } else {
+    const auto which = calibration_of(contents, *chosen, options);
+    if (!which) return which.error();
+    info = std::move(contents.calibrations[static_cast<std::size_t>(*which)]);
+    if (info.width != size->first || info.height != size->second) {
+      return size_error(options.path, info.width, info.height, size->first, size->second);
+    }
   }
   info.width = size->first;
   info.height = size->second;
-  std::vector<TimestampNs> stamps;
-  for (const LoggedPair& pair : contents.pairs) stamps.push_back(pair.stamp_ns);
-  for (std::size_t i = 1; i < stamps.size(); ++i) {
-    if (stamps[i] > stamps[i - 1]) continue;
-    return Error{"stamps do not rise", fmt::format("{}, pair {}", options.path, (*chosen)[i]),
-                 "play the recordings in the log one at a time: name a single file, or choose first and last"};
-  }
-  const std::int64_t period_ns = median_period_ns(stamps);
-  if (period_ns > 0) info.rate_hz = 1e9 / static_cast<double>(period_ns);
+  if (const double rate_hz = rate_of(*stamps); rate_hz > 0.0) info.rate_hz = rate_hz;
   info.frame_count = options.pingpong ? -1 : static_cast<std::int64_t>(contents.pairs.size());
-  info.description = fmt::format("LCM log {}", options.path);
-  if (files.size() > 1) info.description += fmt::format(" ({} files)", files.size());
-  if (contents.damage.torn_tail > 0) {
-    info.description += fmt::format(" (cut off: {} bytes behind its last whole event)", contents.damage.torn_tail);
-  }
-  if (contents.damage.broken_places > 0) {
-    info.description += fmt::format(" (damaged in {} places: events left out)", contents.damage.broken_places);
-  }
+  info.description = describe_log(options, files.size(), contents.damage);
   if (!options.left_mask.empty() || !options.right_mask.empty()) {
-    if (auto ok = read_masks(options, "", info); !ok) return ok.error();
+    if (auto ok = read_masks(options.left_mask, options.right_mask, "", info); !ok) return ok.error();
   }
-  auto store =
-      std::make_unique<LoggedPairs>(std::move(contents.files), std::move(contents.pairs), info.width, info.height);
-  return play_pairs(std::move(store), std::move(info), options);
+  auto store = std::make_unique<LoggedPairs>(std::move(contents.files), std::move(contents.pairs), *chosen, info.width,
+                                             info.height);
+  return play_pairs(std::move(store), std::move(*stamps), std::move(info), options);
 }
 
 }  // namespace cliquevo::drivers

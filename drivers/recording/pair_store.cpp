@@ -5,8 +5,8 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdlib>
-#include <filesystem>
 #include <mutex>
+#include <set>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -15,7 +15,7 @@
 
 #include "core/base/caught.h"
 #include "core/base/saturating.h"
-#include "drivers/recording/image_reader.h"
+#include "drivers/calibration/examine.h"
 #include "drivers/recording/image_survey.h"
 #include "drivers/recording/pairing.h"
 
@@ -26,33 +26,34 @@ namespace {
 // Reads pair after pair from the disk; one thread at a time.
 class PairReader {
  public:
-  PairReader(std::unique_ptr<PairStore> store, const RecordingOptions& options, bool mosaic)
-      : store_(std::move(store)), options_(options), mosaic_(mosaic), warned_before_(store_->warned()) {
-    std::vector<TimestampNs> stamps;
-    for (std::int64_t i = 0; i < store_->size(); ++i) stamps.push_back(store_->stamp_ns(i));
-    period_ns_ = median_period_ns(stamps);
-    if (period_ns_ <= 0) period_ns_ = 100'000'000;  // a single pair over and over
+  PairReader(std::unique_ptr<PairStore> store, RisingStamps stamps, const RecordingOptions& options, bool mosaic)
+      : store_(std::move(store)),
+        stamps_(std::move(stamps)),
+        options_(options),
+        mosaic_(mosaic),
+        warned_before_(store_->warned()) {
+    for (std::int64_t i = 0; i < store_->size(); ++i) {
+      if (!options_.pingpong || !stamps_.skipped[static_cast<std::size_t>(i)]) order_.push_back(i);
+    }
+    const double rate_hz = rate_of(stamps_);
+    if (rate_hz > 0.0) period_ns_ = static_cast<std::int64_t>(1e9 / rate_hz);
+    // Beyond the recording's length it makes no difference, and must not overflow.
+    every_ = std::min(options_.every, std::max<std::int64_t>(1, store_->size()));
   }
 
   Result<bool> next(StereoPair& pair) {
-    const std::int64_t count = store_->size();
-    if (!options_.pingpong && position_ >= count) return false;
+    const auto count = static_cast<std::int64_t>(order_.size());
+    if (count == 0 || (!options_.pingpong && position_ >= count)) return false;
     const std::int64_t k = position_++;
     const std::int64_t turn = std::max<std::int64_t>(1, 2 * (count - 1));
-    const std::int64_t i = k % turn < count ? k % turn : turn - k % turn;
-    const TimestampNs recorded_ns = store_->stamp_ns(i);
-    if (k == 0) {
-      stamp_ns_ = recorded_ns;
-    } else {
-      const std::int64_t step_ns = count == 1 ? period_ns_ : saturated_distance(recorded_ns, last_recorded_ns_);
-      stamp_ns_ = saturated_sum(stamp_ns_, step_ns);
-    }
-    last_recorded_ns_ = recorded_ns;
+    const std::int64_t i = order_[static_cast<std::size_t>(k % turn < count ? k % turn : turn - k % turn)];
+    const auto at = static_cast<std::size_t>(i);
     pair.index = saturated_sum(options_.first, step(k));
-    pair.stamp_ns = stamp_ns_;
+    pair.stamp_ns = options_.pingpong ? next_stamp(k, i) : stamps_.stamps_ns[at];
     pair.truth_T_world_camera.reset();
     pair.right_offset_ns = 0;
     pair.host_ns = 0;
+    if (stamps_.skipped[at]) return Error{"stamp is out of order", store_->name(i), stamps_.reason[at]};
     if (auto ok = store_->load(i, pair); !ok) return ok.error();
     if (mosaic_) {
       to_grey_.convert(pair.left.view());
@@ -65,15 +66,32 @@ class PairReader {
  private:
   std::int64_t step(std::int64_t k) const {
     std::int64_t product = 0;
-    return __builtin_mul_overflow(k, options_.every, &product) ? INT64_MAX : product;
+    return __builtin_mul_overflow(k, options_.pingpong ? every_ : options_.every, &product) ? INT64_MAX : product;
+  }
+
+  // To and fro, the stamps go on by the recorded steps.
+  TimestampNs next_stamp(std::int64_t k, std::int64_t i) {
+    constexpr std::int64_t kLongestStep = 1'000'000'000'000'000;  // eleven days: a damaged recording may hold anything
+    const TimestampNs recorded_ns = stamps_.stamps_ns[static_cast<std::size_t>(i)];
+    if (k == 0) {
+      stamp_ns_ = recorded_ns;
+    } else {
+      const std::int64_t step_ns = saturated_distance(recorded_ns, last_recorded_ns_);
+      stamp_ns_ = saturated_sum(stamp_ns_, order_.size() == 1 ? period_ns_ : std::min(kLongestStep, step_ns));
+    }
+    last_recorded_ns_ = recorded_ns;
+    return stamp_ns_;
   }
 
   std::unique_ptr<PairStore> store_;
+  RisingStamps stamps_;
   RecordingOptions options_;
   bool mosaic_;
   MosaicToGrey to_grey_;
   std::int64_t warned_before_;
-  std::int64_t period_ns_ = 0;
+  std::vector<std::int64_t> order_;       // of the pairs that are played
+  std::int64_t period_ns_ = 100'000'000;  // a single pair over and over
+  std::int64_t every_ = 1;
   std::int64_t position_ = 0;
   TimestampNs stamp_ns_ = 0;
   TimestampNs last_recorded_ns_ = 0;
@@ -179,27 +197,6 @@ Result<void> check_options(const RecordingOptions& o) {
   return {};
 }
 
-Result<void> read_mask(const std::string& given, const std::string& root, const char* name, SourceInfo& info,
-                       Image<std::uint8_t>& mask) {
-  std::error_code ec;
-  std::string path = given;
-  if (path.empty()) {
-    if (root.empty()) return {};
-    path = (std::filesystem::path(root) / name).string();
-    if (!std::filesystem::exists(path, ec)) return {};
-  }
-  ImageReader reader;
-  if (auto ok = reader.read(path, mask); !ok) {
-    return Error{"cannot read mask", path, ok.error().remedy};
-  }
-  if (mask.width() != info.width || mask.height() != info.height) {
-    return Error{"mask has another size than the images", path,
-                 fmt::format("it is {}x{}, the images are {}x{}: draw it on an image of this recording", mask.width(),
-                             mask.height(), info.width, info.height)};
-  }
-  return {};
-}
-
 }  // namespace
 
 Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const RecordingOptions& o) {
@@ -215,16 +212,37 @@ Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const Recordi
   return chosen;
 }
 
-Result<void> read_masks(const RecordingOptions& options, const std::string& root, SourceInfo& info) {
-  if (auto ok = read_mask(options.left_mask, root, "mask_left.png", info, info.left_mask); !ok) return ok;
-  return read_mask(options.right_mask, root, "mask_right.png", info, info.right_mask);
+Result<StereoCalibration> calibrate(const CalibrationRequest& request, PairStore& store) {
+  std::vector<StereoPair> pairs;
+  const std::int64_t last = store.size() - 1;
+  for (const std::int64_t i : std::set<std::int64_t>{0, last / 2, last}) {
+    StereoPair pair;
+    if (i < 0 || !store.load(i, pair)) continue;  // next()'s to report
+    if (pair.left.width() == request.width && pair.left.height() == request.height &&
+        pair.right.width() == request.width && pair.right.height() == request.height) {
+      pairs.push_back(std::move(pair));
+    }
+  }
+  std::vector<ImagePairView> views;
+  for (const StereoPair& pair : pairs) views.push_back({pair.left.cview(), pair.right.cview()});
+  return read_calibration_for(request, views);
 }
 
-std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, SourceInfo info,
+double rate_of(const RisingStamps& stamps) {
+  // Of all pairs, the skipped ones too: what they leave out is no period.
+  std::vector<TimestampNs> rising;
+  for (const TimestampNs stamp_ns : stamps.stamps_ns) {
+    if (rising.empty() || stamp_ns > rising.back()) rising.push_back(stamp_ns);
+  }
+  const std::int64_t period_ns = median_period_ns(rising);
+  return period_ns > 0 ? 1e9 / static_cast<double>(period_ns) : 0.0;
+}
+
+std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, RisingStamps stamps, SourceInfo info,
                                         const RecordingOptions& options) {
   const MosaicSurvey survey = survey_mosaic(*store, options.bayer);
   if (survey.mosaic) info.description += ", " + survey.text;
-  PairReader reader(std::move(store), options, survey.mosaic);
+  PairReader reader(std::move(store), std::move(stamps), options, survey.mosaic);
   return std::make_unique<Recording>(std::move(info), std::move(reader), options.read_ahead);
 }
 

@@ -5,8 +5,10 @@
 #include <memory>
 
 #include "core/base/result.h"
+#include "drivers/calibration/calibration.h"
 #include "drivers/frame_source.h"
 #include "drivers/recording.h"
+#include "drivers/recording/stamps.h"
 
 namespace cliquevo::drivers {
 
@@ -14,7 +16,8 @@ class PairStore {
  public:
   virtual ~PairStore() = default;
   virtual std::int64_t size() const = 0;
-  virtual TimestampNs stamp_ns(std::int64_t i) const = 0;
+  // Where it is, for messages.
+  virtual std::string name(std::int64_t i) const = 0;
   // Images (and what else is known) of pair i; index and stamp are the caller's. One thread at a time.
   virtual Result<void> load(std::int64_t i, StereoPair& pair) = 0;
   // Images that were taken although their decoder warned, so far.
@@ -24,16 +27,20 @@ class PairStore {
 // Numbers of the pairs that options choose of `count`.
 Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const RecordingOptions& options);
 
-// Plays the store's pairs by the options: from first to last, or to and fro; read ahead by a thread or not. Bayer
-// mosaics become grey, by the options or where the images show it; the description says so.
-std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, SourceInfo info,
+// Plays the store's pairs with these stamps by the options: from first to last, or to and fro; read ahead by a thread
+// or not. A pair that is to be skipped is an error of next(); to and fro it is left out. Bayer mosaics become grey, by
+// the options or where the images show it; the description says so.
+std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, RisingStamps stamps, SourceInfo info,
                                         const RecordingOptions& options);
+// Rate of the pairs that are played; 0 = unknown.
+double rate_of(const RisingStamps& stamps);
+
+// A calibration for the store's pairs (drivers/calibration/examine.h), of which it looks at the first, middle and last.
+Result<StereoCalibration> calibrate(const CalibrationRequest& request, PairStore& store);
 
 // A log or a folder of logs (drivers/recording/log_recording.cpp).
 Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& files, const RecordingOptions& options);
 // The logs that a path means: itself, or those in the folder; empty = it means something else.
 std::vector<std::string> find_logs(const std::string& path);
-
-Result<void> read_masks(const RecordingOptions& options, const std::string& root, SourceInfo& info);
 
 }  // namespace cliquevo::drivers

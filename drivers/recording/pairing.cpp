@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -43,13 +45,15 @@ bool same_numbers(const Eye& a, const Eye& b) {
   return true;
 }
 
-Result<void> check_rising(const Eye& eye) {
-  for (std::size_t i = 1; i < eye.images.size(); ++i) {
-    if (*eye.images[i].stamp_ns <= *eye.images[i - 1].stamp_ns) {
-      return Error{"stamps do not rise", eye.images[i].path, "order the images (or the times) as they were taken"};
-    }
-  }
-  return {};
+// Images in the order of their times; those that repeat one are left out.
+Eye in_order(const Eye& eye) {
+  Eye out = eye;
+  std::stable_sort(out.images.begin(), out.images.end(),
+                   [](const EyeImage& a, const EyeImage& b) { return *a.stamp_ns < *b.stamp_ns; });
+  out.images.erase(std::unique(out.images.begin(), out.images.end(),
+                               [](const EyeImage& a, const EyeImage& b) { return a.stamp_ns == b.stamp_ns; }),
+                   out.images.end());
+  return out;
 }
 
 std::vector<TimestampNs> stamps_of(const Eye& eye) {
@@ -68,26 +72,49 @@ std::size_t nearest(const std::vector<TimestampNs>& stamps, TimestampNs t) {
 }
 
 Result<Pairing> pair_by_time(const Layout& layout, std::optional<double> pair_tolerance_s) {
-  for (const Eye* eye : {&layout.left, &layout.right}) {
-    if (const Result<void> ok = check_rising(*eye); !ok) return ok.error();
-  }
-  const std::vector<TimestampNs> left = stamps_of(layout.left);
-  const std::vector<TimestampNs> right = stamps_of(layout.right);
+  const Eye left_eye = in_order(layout.left);
+  const Eye right_eye = in_order(layout.right);
+  const std::vector<TimestampNs> left = stamps_of(left_eye);
+  const std::vector<TimestampNs> right = stamps_of(right_eye);
   const auto tolerance =
       pair_tolerance_s ? static_cast<std::int64_t>(std::llround(*pair_tolerance_s * 1e9)) : median_period_ns(left) / 4;
   Pairing pairing;
   for (std::size_t i = 0; i < left.size(); ++i) {
     const std::size_t j = nearest(right, left[i]);
     if (nearest(left, right[j]) != i || std::abs(right[j] - left[i]) > tolerance) continue;
-    pairing.pairs.push_back({left[i], layout.left.images[i].path, layout.right.images[j].path});
+    pairing.pairs.push_back({left[i], left_eye.images[i].path, right_eye.images[j].path});
   }
-  pairing.unpaired = static_cast<std::int64_t>(left.size() + right.size() - 2 * pairing.pairs.size());
+  pairing.unpaired =
+      static_cast<std::int64_t>(layout.left.images.size() + layout.right.images.size() - 2 * pairing.pairs.size());
   if (pairing.pairs.empty()) {
     return Error{fmt::format("no image of the left eye is within {:.6g} s of one of the right",
                              static_cast<double>(tolerance) * 1e-9),
                  layout.root, "give a larger --pair-tolerance, or correct the stamps"};
   }
   return pairing;
+}
+
+// Each left image with its namesake; one that lacks it keeps its place among the pairs, and is not to be played.
+Pairing pair_by_name(const Layout& layout) {
+  std::map<std::string, const EyeImage*> right;
+  for (const EyeImage& image : layout.right.images) right[image.name] = &image;
+  Pairing pairing;
+  std::size_t paired = 0;
+  for (const EyeImage& image : layout.left.images) {
+    const auto found = right.find(image.name);
+    paired += found != right.end() ? 1 : 0;
+    pairing.pairs.push_back(
+        {image.stamp_ns.value_or(0), image.path, found != right.end() ? found->second->path : std::string{}});
+  }
+  pairing.unpaired = static_cast<std::int64_t>(layout.left.images.size() + layout.right.images.size() - 2 * paired);
+  return pairing;
+}
+
+std::size_t common_names(const Eye& a, const Eye& b) {
+  std::set<std::string> names;
+  for (const EyeImage& image : a.images) names.insert(image.name);
+  return static_cast<std::size_t>(std::count_if(b.images.begin(), b.images.end(),
+                                                [&](const EyeImage& image) { return names.count(image.name) > 0; }));
 }
 
 }  // namespace
@@ -105,10 +132,9 @@ std::int64_t median_period_ns(const std::vector<TimestampNs>& stamps) {
 Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
                             std::optional<double> pair_tolerance_s) {
   const EyeImage* odd = first_without_namesake(layout.left, layout.right);
-  if (odd != nullptr && all_stamped(layout.left) && all_stamped(layout.right)) {
-    return pair_by_time(layout, pair_tolerance_s);
-  }
-  if (odd != nullptr && !same_numbers(layout.left, layout.right)) {
+  const bool by_time = odd != nullptr && all_stamped(layout.left) && all_stamped(layout.right);
+  const bool by_name = 2 * common_names(layout.left, layout.right) > layout.left.images.size();
+  if (odd != nullptr && !by_time && !by_name && !same_numbers(layout.left, layout.right)) {
     return Error{"image has no partner in the other eye", odd->path,
                  "copy the recording again; or give both eyes times of their own to pair them by time"};
   }
@@ -117,17 +143,26 @@ Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
                  "give the frame rate with --rate HZ, or add times.txt with one time in seconds a line"};
   }
   Pairing pairing;
-  for (std::size_t i = 0; i < layout.left.images.size(); ++i) {
-    const EyeImage& image = layout.left.images[i];
-    const TimestampNs stamp = all_stamped(layout.left)
-                                  ? *image.stamp_ns
-                                  : static_cast<TimestampNs>(std::llround(static_cast<double>(i) * 1e9 / *rate_hz));
-    if (!pairing.pairs.empty() && stamp <= pairing.pairs.back().stamp_ns) {
-      return Error{"stamps do not rise", image.path, "order the images (or the times) as they were taken"};
+  if (by_time) {
+    auto paired = pair_by_time(layout, pair_tolerance_s);
+    if (!paired) return paired.error();
+    pairing = std::move(*paired);
+  } else if (by_name) {
+    pairing = pair_by_name(layout);
+  } else {
+    for (std::size_t i = 0; i < layout.left.images.size(); ++i) {
+      const EyeImage& image = layout.left.images[i];
+      pairing.pairs.push_back({image.stamp_ns.value_or(0), image.path, layout.right.images[i].path});
     }
-    pairing.pairs.push_back({stamp, image.path, layout.right.images[i].path});
   }
+  if (!rate_hz) return pairing;
+  for (std::size_t i = 0; i < pairing.pairs.size(); ++i) pairing.pairs[i].stamp_ns = stamp_at(i, *rate_hz);
   return pairing;
+}
+
+TimestampNs stamp_at(std::size_t i, double rate_hz) {
+  constexpr double kMost = 4e18;
+  return static_cast<TimestampNs>(std::llround(std::min(kMost, static_cast<double>(i) * 1e9 / rate_hz)));
 }
 
 }  // namespace cliquevo::drivers

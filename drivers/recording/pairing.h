@@ -15,19 +15,22 @@ namespace cliquevo::drivers {
 struct ImagePair {
   TimestampNs stamp_ns = 0;  // the left image's
   std::string left;          // paths
-  std::string right;
+  std::string right;         // empty: it has none, and is not to be played
 };
 
 struct Pairing {
-  std::vector<ImagePair> pairs;  // stamps rise strictly
+  std::vector<ImagePair> pairs;  // in the order in which they were recorded; stamps may step back or repeat
   std::int64_t unpaired = 0;     // images without a partner, both eyes together
 };
 
-// By name where both folders hold the same names; else by time, each with its mutually nearest within the tolerance
-// (default a quarter of the left eye's period). rate_hz gives stamps to images that have none. Errors: no times and no
-// rate, no pair at all, names that do not match and no times, stamps that do not rise.
+// By name where both folders hold the same names, also where either lacks a few of the other's; else by time, each with
+// its mutually nearest within the tolerance (default a quarter of the left eye's period). rate_hz gives the stamps,
+// whatever times there are. Errors: no times and no rate, no pair at all, names that do not match and no times.
 Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
                             std::optional<double> pair_tolerance_s);
+
+// The stamp of pair i at a steady rate.
+TimestampNs stamp_at(std::size_t i, double rate_hz);
 
 // Median of the differences; 0 for fewer than two.
 std::int64_t median_period_ns(const std::vector<TimestampNs>& stamps);

@@ -7,36 +7,72 @@
 
 #include <fmt/format.h>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
+#include "drivers/masks.h"
 #include "drivers/recording/image_reader.h"
 #include "drivers/recording/image_survey.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/pair_store.h"
 #include "drivers/recording/pairing.h"
+#include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-// Pairs of image files.
-class ImageFiles final : public PairStore {
+// Reads the two images of a pair, from two files or from the halves of one.
+class PairFiles {
  public:
-  explicit ImageFiles(std::vector<ImagePair> pairs) : pairs_(std::move(pairs)) {}
+  explicit PairFiles(bool side_by_side) : side_by_side_(side_by_side) {}
 
-  std::int64_t size() const override { return static_cast<std::int64_t>(pairs_.size()); }
-  TimestampNs stamp_ns(std::int64_t i) const override { return pairs_[static_cast<std::size_t>(i)].stamp_ns; }
-  Result<void> load(std::int64_t i, StereoPair& pair) override {
-    const ImagePair& files = pairs_[static_cast<std::size_t>(i)];
-    if (auto ok = read(files.left, pair.left); !ok) return ok;
-    return read(files.right, pair.right);
+  Result<void> read(const ImagePair& files, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
+    if (files.right.empty()) {
+      return Error{"image has no partner in the other eye", files.left, "copy the recording again"};
+    }
+    if (side_by_side_) return read_halves(files.left, left, right);
+    if (auto ok = reader_.read(files.left, left); !ok) return ok;
+    return reader_.read(files.right, right);
   }
-  std::int64_t warned() const override { return reader_.warned(); }
-  void expect_size(int width, int height) { width_ = width, height_ = height; }
+  std::int64_t warned() const { return reader_.warned(); }
   void set_shift(int shift) { reader_.set_shift(shift); }
 
  private:
-  Result<void> read(const std::string& path, Image<std::uint8_t>& image) {
-    if (auto ok = reader_.read(path, image); !ok) return ok;
+  Result<void> read_halves(const std::string& path, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
+    if (auto ok = reader_.read(path, both_); !ok) return ok;
+    if (both_.width() % 2 != 0) {
+      return Error{"side-by-side image has an odd width", path, "both halves must be of one size"};
+    }
+    const int half = both_.width() / 2;
+    const ImageView<const std::uint8_t> view = both_.cview();
+    left.copy_from({view.data, half, view.height, view.stride});
+    right.copy_from({view.data + half, half, view.height, view.stride});
+    return {};
+  }
+
+  bool side_by_side_;
+  ImageReader reader_;
+  Image<std::uint8_t> both_;
+};
+
+// Pairs of image files.
+class ImageFiles final : public PairStore {
+ public:
+  ImageFiles(std::vector<ImagePair> pairs, bool side_by_side, int width, int height)
+      : pairs_(std::move(pairs)), files_(side_by_side), width_(width), height_(height) {}
+
+  std::int64_t size() const override { return static_cast<std::int64_t>(pairs_.size()); }
+  std::string name(std::int64_t i) const override { return pairs_[static_cast<std::size_t>(i)].left; }
+  Result<void> load(std::int64_t i, StereoPair& pair) override {
+    const ImagePair& files = pairs_[static_cast<std::size_t>(i)];
+    if (auto ok = files_.read(files, pair.left, pair.right); !ok) return ok;
+    if (auto ok = check_size(pair.left, files.left); !ok) return ok;
+    return check_size(pair.right, files.right);
+  }
+  std::int64_t warned() const override { return files_.warned(); }
+  void set_shift(int shift) { files_.set_shift(shift); }
+
+ private:
+  Result<void> check_size(const Image<std::uint8_t>& image, const std::string& path) const {
     if (image.width() == width_ && image.height() == height_) return {};
     return Error{"image has another size than the recording", path,
                  fmt::format("it is {}x{}, the others are {}x{}: replace it or choose pairs of one size", image.width(),
@@ -44,21 +80,19 @@ class ImageFiles final : public PairStore {
   }
 
   std::vector<ImagePair> pairs_;
-  int width_ = 0;
-  int height_ = 0;
-  ImageReader reader_;
+  PairFiles files_;
+  int width_;
+  int height_;
 };
 
 // Size of the first pair that can be read (a torn one is next()'s to report).
-Result<std::pair<int, int>> find_size(const std::vector<ImagePair>& pairs) {
-  ImageReader reader;
+Result<std::pair<int, int>> find_size(const std::vector<ImagePair>& pairs, bool side_by_side) {
+  PairFiles files(side_by_side);
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
   std::optional<Error> first_error;
   for (const ImagePair& pair : pairs) {
-    Result<void> ok = reader.read(pair.left, left);
-    if (ok) ok = reader.read(pair.right, right);
-    if (!ok) {
+    if (auto ok = files.read(pair, left, right); !ok) {
       if (!first_error) first_error = ok.error();
       continue;
     }
@@ -75,31 +109,55 @@ Result<std::pair<int, int>> find_size(const std::vector<ImagePair>& pairs) {
   return *first_error;
 }
 
+// The number in the first name, where all count on from it.
+std::int64_t first_number_of(const Pairing& pairing) {
+  std::int64_t first = 0;
+  for (std::size_t i = 0; i < pairing.pairs.size(); ++i) {
+    const std::string name = std::filesystem::path(pairing.pairs[i].left).stem().string();
+    const auto number = name.size() <= 12 ? parse_integer(name) : std::nullopt;
+    if (!number || *number < 0) return 0;
+    if (i == 0) first = *number;
+    if (*number != first + static_cast<std::int64_t>(i)) return 0;
+  }
+  return first;
+}
+
+std::string describe_layout(const Layout& layout, const Pairing& pairing) {
+  std::string out = layout.description;
+  if (pairing.unpaired > 0) out += fmt::format(" ({} images without a partner)", pairing.unpaired);
+  for (const std::string& note : layout.notes) out += fmt::format(" ({})", note);
+  return out;
+}
+
 }  // namespace
 
 Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& options) {
   if (const std::vector<std::string> logs = find_logs(options.path); !logs.empty()) return open_logs(logs, options);
-  const Result<Layout> layout = find_layout(options.path);
+  const Result<Layout> layout = find_layout(options.path, options.side_by_side);
   if (!layout) return layout.error();
   const Result<Pairing> pairing = pair_images(*layout, options.rate_hz, options.pair_tolerance_s);
   if (!pairing) return pairing.error();
   const auto chosen = choose_pairs(static_cast<std::int64_t>(pairing->pairs.size()), options);
   if (!chosen) return chosen.error();
   std::vector<ImagePair> pairs;
-  for (const std::int64_t i : *chosen) pairs.push_back(pairing->pairs[static_cast<std::size_t>(i)]);
+  std::vector<TimestampNs> recorded;
+  for (const std::int64_t i : *chosen) {
+    pairs.push_back(pairing->pairs[static_cast<std::size_t>(i)]);
+    recorded.push_back(pairs.back().stamp_ns);
+  }
+  auto stamps = make_rising(recorded, options.path);
+  if (!stamps) return stamps.error();
 
   SourceInfo info;
-  info.description = layout->description;
-  if (pairing->unpaired > 0) info.description += fmt::format(" ({} images without a partner)", pairing->unpaired);
-  const Result<std::pair<int, int>> size = find_size(pairs);
+  info.description = describe_layout(*layout, *pairing);
+  const Result<std::pair<int, int>> size = find_size(pairs, layout->side_by_side);
   if (!size) return size.error();
   info.width = size->first;
   info.height = size->second;
   info.frame_count = options.pingpong ? -1 : static_cast<std::int64_t>(pairs.size());
-  std::vector<TimestampNs> stamps;
-  for (const ImagePair& pair : pairs) stamps.push_back(pair.stamp_ns);
-  const std::int64_t period_ns = median_period_ns(stamps);
-  info.rate_hz = period_ns > 0 ? 1e9 / static_cast<double>(period_ns) : options.rate_hz.value_or(0.0);
+  info.first_number = first_number_of(*pairing);
+  info.rate_hz = rate_of(*stamps);
+  if (info.rate_hz <= 0.0) info.rate_hz = options.rate_hz.value_or(0.0);
 
   CalibrationRequest request;
   request.path = options.calibration.empty() ? layout->calibration : options.calibration;
@@ -110,16 +168,16 @@ Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& opti
   request.height = info.height;
   request.left_camera = layout->left_camera;
   request.right_camera = layout->right_camera;
-  Result<StereoCalibration> calibration = read_calibration(request);
-  if (!calibration) return calibration.error();
-  info.calibration = std::move(*calibration);
-  if (auto ok = read_masks(options, layout->root, info); !ok) return ok.error();
+  request.options = options.calibration_options;
   const DepthSurvey depth = survey_depth(pairs);
   if (depth.deep) info.description += ", " + describe_depth(depth);
-  auto store = std::make_unique<ImageFiles>(std::move(pairs));
+  auto store = std::make_unique<ImageFiles>(std::move(pairs), layout->side_by_side, info.width, info.height);
   if (depth.deep) store->set_shift(depth.shift);
-  store->expect_size(info.width, info.height);
-  return play_pairs(std::move(store), std::move(info), options);
+  Result<StereoCalibration> calibration = calibrate(request, *store);
+  if (!calibration) return calibration.error();
+  info.calibration = std::move(*calibration);
+  if (auto ok = read_masks(options.left_mask, options.right_mask, layout->root, info); !ok) return ok.error();
+  return play_pairs(std::move(store), std::move(*stamps), std::move(info), options);
 }
 
 }  // namespace cliquevo::drivers

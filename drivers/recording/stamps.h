@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where the stamps of recorded images come from: files of times, or the names of the images.
+// Where the stamps of recorded images come from: files of times, or the names of the images; and what becomes of
+// stamps that do not rise.
 #pragma once
 
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
@@ -13,28 +13,29 @@
 
 namespace cliquevo::drivers {
 
-// One row of a times file.
-struct StampRow {
-  TimestampNs stamp_ns = 0;
-  std::string name;           // of the image, where the row tells
-  bool names_a_file = false;  // with its extension: no mere number
-  int line = 0;
-};
+// Reads the times file into the eye's images: by name where its rows name images (rows whose image is gone and images
+// without a row are left out), else row by row (one row more or fewer than images is left out at the end, one image
+// likewise). What was left out or concluded is added to `notes`. Error: other numbers of rows and images, no image of
+// the names in the file.
+Result<void> stamps_from_file(const std::string& path, Eye& eye, std::vector<std::string>& notes);
 
-// A time in any of: decimal seconds ("1687709319.100414", "1.036e-01"), whole ms, us or ns since 1970 (told by their
-// magnitude), date and time ("2011-09-26 14:05:37.977365760").
-std::optional<TimestampNs> parse_stamp(std::string_view text);
+// Stamps from the images' names, where what differs between them is a time: since 1970, or whole numbers that come at
+// an ordinary rate in ns, us or ms; a date with dashes. False (and no change) when the names are no times.
+bool stamps_from_names(Eye& eye, std::vector<std::string>& notes);
 
-// One row a line: a time; or a time and a name; or a name (or number) and a time, further columns ignored. Error: a bad
-// row, stamps that do not rise, naming file and line.
-Result<std::vector<StampRow>> parse_times(std::string_view text, const std::string& path);
-
-// Reads the times file into the eye's images, row by row or by name. Error: numbers of rows and images differ.
-Result<void> stamps_from_file(const std::string& path, Eye& eye);
-// Stamps from the images' names; false (and no change) when the names are no times.
-bool stamps_from_names(Eye& eye);
-
-// The times file in a folder (times.txt, timestamps.txt, ...); empty = none.
+// The times file in a folder (times.txt, timestamps.csv, ..., in any case); empty = none.
 std::string find_times(const std::string& folder);
+
+// Stamps in the order in which the pairs were recorded, made to rise.
+struct RisingStamps {
+  std::vector<TimestampNs> stamps_ns;
+  std::vector<bool> skipped;        // pairs whose stamp steps back or repeats: not to be played
+  std::vector<std::string> reason;  // why, for those
+  std::int64_t skipped_count = 0;
+};
+// One stamp that is out of order costs its pair. Where the clock was set back for good, the first pair behind is
+// skipped, and the stamps go on by the recorded steps. Error (naming `where`): more than half of the stamps are out of
+// order.
+Result<RisingStamps> make_rising(const std::vector<TimestampNs>& stamps_ns, const std::string& where);
 
 }  // namespace cliquevo::drivers

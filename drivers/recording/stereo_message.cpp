@@ -83,9 +83,14 @@ Result<StereoMessageEye> read_eye(ByteReader& reader, const std::string& name) {
   const std::uint8_t* pixels = reader.bytes(static_cast<std::size_t>(size));
   read_metadata(reader, eye);
   if (!reader.ok() || pixels == nullptr) return unusable(name, "it is torn: record again");
+  if (format == image_t::PIXEL_FORMAT_MJPEG) {
+    eye.jpeg = pixels;
+    eye.jpeg_size = static_cast<std::size_t>(size);
+    return eye;
+  }
   if (format != image_t::PIXEL_FORMAT_GRAY) {
-    return unusable(name, fmt::format("its pixel format is {}: record grey images of 8 bits ({})", format,
-                                      image_t::PIXEL_FORMAT_GRAY));
+    return unusable(name, fmt::format("its pixel format is {}: record grey images of 8 bits ({}) or JPEG ({})", format,
+                                      image_t::PIXEL_FORMAT_GRAY, image_t::PIXEL_FORMAT_MJPEG));
   }
   if (width <= 0 || height <= 0 || stride < width || width > 65536 || height > 65536 ||
       std::int64_t{stride} * (height - 1) + width > size) {
@@ -133,9 +138,19 @@ std::optional<TimestampNs> parse_stereo_stamp(const std::uint8_t* metadata, std:
   return eye.stamp_ns == INT64_MIN ? std::nullopt : std::optional(eye.stamp_ns);
 }
 
-bool is_images_message(const std::uint8_t* data, std::size_t size) {
+bool is_stereo_message(const std::uint8_t* data, std::size_t size) {
   ByteReader reader(data, size);
-  return reader.number<std::int64_t>() == images_t::getHash() && reader.ok();
+  if (reader.number<std::int64_t>() != images_t::getHash()) return false;
+  reader.number<std::int64_t>();
+  const auto count = reader.number<std::int32_t>();
+  bool left = false;
+  bool right = false;
+  for (std::int32_t i = 0; i < std::min(count, 64); ++i) {
+    const auto type = reader.number<std::int16_t>();
+    left = left || (reader.ok() && type == images_t::LEFT);
+    right = right || (reader.ok() && type == images_t::RIGHT);
+  }
+  return left && right;
 }
 
 Result<StereoMessage> parse_stereo(const std::uint8_t* data, std::size_t size, const std::string& name) {

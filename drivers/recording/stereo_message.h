@@ -18,9 +18,11 @@ inline constexpr const char* kCalibrationChannel = "VO_CALIBRATION";
 // Into `out`, whose memory is reused.
 void encode_stereo(const StereoPair& pair, std::vector<std::uint8_t>& out);
 
-// One eye of a message: where its pixels are.
+// One eye of a message: where its pixels are, or the JPEG that holds them.
 struct StereoMessageEye {
   ImageView<const std::uint8_t> image;
+  const std::uint8_t* jpeg = nullptr;
+  std::size_t jpeg_size = 0;
   TimestampNs stamp_ns = 0;
   TimestampNs host_ns = 0;  // 0 = not told
 };
@@ -29,7 +31,7 @@ struct StereoMessage {
   StereoMessageEye right;
 };
 
-// Views into `data`. Needs a left and a right image, grey with 8 bits; an error's `where` is `name`.
+// Views into `data`. Needs a left and a right image, grey with 8 bits or motion JPEG; an error's `where` is `name`.
 Result<StereoMessage> parse_stereo(const std::uint8_t* data, std::size_t size, const std::string& name);
 
 // A message's beginning: its time, and where the first image's metadata begin.
@@ -40,7 +42,7 @@ struct StereoMessageStart {
 StereoMessageStart parse_stereo_start(const std::uint8_t* data, std::size_t size);
 // The exposure among the metadata [ns].
 std::optional<TimestampNs> parse_stereo_stamp(const std::uint8_t* metadata, std::size_t size);
-// Whether the message is an images_t at all.
-bool is_images_message(const std::uint8_t* data, std::size_t size);
+// Whether a message's beginning is that of an images_t with a left and a right image.
+bool is_stereo_message(const std::uint8_t* data, std::size_t size);
 
 }  // namespace cliquevo::drivers

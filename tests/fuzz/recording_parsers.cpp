@@ -5,8 +5,10 @@
 #include <array>
 #include <cmath>
 
-#include "drivers/recording/calibration_common.h"
+#include "drivers/calibration/calibration.h"
 #include "drivers/recording/stamps.h"
+#include "drivers/recording/times_file.h"
+#include "drivers/text_file.h"
 
 namespace cliquevo::fuzz {
 
@@ -53,19 +55,31 @@ std::string parse_calibration_text(const std::string& name, const std::string& t
   request.path = "/made/up/" + name;
   request.width = 640;
   request.height = 480;
-  const auto c = drivers::parse_calibration(text, request, [&](drivers::FilePair) -> Result<drivers::NamedText> {
-    return drivers::NamedText{request.path + ".other", text};
-  });
+  const auto c =
+      drivers::parse_calibration(text, request, [&](const std::vector<std::string>&) -> Result<drivers::NamedText> {
+        return drivers::NamedText{request.path + ".other", text};
+      });
   return c.ok() ? judge(*c) : judge(c.error());
 }
 
 std::string parse_times_text(const std::string& text) {
-  const auto rows = drivers::parse_times(text, "/made/up/times.txt");
-  if (!rows.ok()) return judge(rows.error());
-  for (std::size_t i = 1; i < rows->size(); ++i) {
-    if (rows.value()[i].stamp_ns <= rows.value()[i - 1].stamp_ns) return "stamps do not rise";
+  const auto table = drivers::parse_times(drivers::utf8_of(text), "/made/up/times.txt");
+  if (!table.ok()) return judge(table.error());
+  std::vector<TimestampNs> stamps;
+  for (const drivers::StampRow& row : table->rows) {
+    if (std::abs(row.stamp_ns) > drivers::kMostStampNs) return "stamp out of bounds";
+    stamps.push_back(row.stamp_ns);
   }
-  return rows->empty() ? "no rows and no error" : "";
+  if (stamps.empty()) return "no rows and no error";
+  const auto rising = drivers::make_rising(stamps, "/made/up/times.txt");
+  if (!rising.ok()) return judge(rising.error());
+  std::optional<TimestampNs> last;
+  for (std::size_t i = 0; i < stamps.size(); ++i) {
+    if (rising->skipped[i]) continue;
+    if (last && rising->stamps_ns[i] <= *last) return "stamps do not rise";
+    last = rising->stamps_ns[i];
+  }
+  return {};
 }
 
 std::uint64_t next(std::uint64_t& state) {  // splitmix64

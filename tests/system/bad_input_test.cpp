@@ -70,29 +70,72 @@ TEST(BadInput, EyesOfUnequalSize) {
   expect_refused({"replay", recording}, 1, "300x240");
 }
 
-TEST(BadInput, OneImageOfAnotherSizeAmongThem) {
+// The pair is skipped, told and counted; its line of the trajectory holds the pose before it. --strict ends there.
+void expect_skipped(const std::string& recording, int pair, const std::string& naming) {
+  const std::string trajectory = scratch_dir() + "/t.txt";
+  const std::string stats = scratch_dir() + "/s.json";
+  const Finished done = run({binary("cliquevo"), "replay", recording, "--trajectory", trajectory, "--stats", stats});
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_EQ(lines_of(done.err).size(), 1u) << done.err;
+  EXPECT_EQ(done.err.rfind(fmt::format("warning: skipped pair {}", pair), 0), 0u) << done.err;
+  EXPECT_NE(done.err.find(naming), std::string::npos) << done.err;
+  EXPECT_NE(done.out.find("skipped      1 pair,"), std::string::npos) << done.out;
+  EXPECT_NE(read_file(stats).find("\"skipped\":1"), std::string::npos);
+  EXPECT_NE(read_file(stats).find("\"frames\":5"), std::string::npos);
+  const std::vector<std::string> poses = lines_of(read_file(trajectory));
+  ASSERT_EQ(poses.size(), 6u);
+  if (pair > 0) {
+    EXPECT_EQ(poses[static_cast<std::size_t>(pair)], poses[static_cast<std::size_t>(pair) - 1]);
+  }
+  expect_refused({"replay", recording, "--strict"}, 3, naming);
+}
+
+TEST(BadInput, OneImageOfAnotherSizeAmongThemIsSkipped) {
   const std::string recording = made_recording();
   cv::Mat image = cv::imread(image_of(recording, 0, 3));
   cv::resize(image, image, {300, 240});
   cv::imwrite(image_of(recording, 0, 3), image);
-  expect_refused({"replay", recording}, 1, image_of(recording, 0, 3));
+  expect_skipped(recording, 3, image_of(recording, 0, 3));
 }
 
-TEST(BadInput, ATornImageEndsTheReplayAndTheTrajectoryHoldsThePairsBeforeIt) {
+TEST(BadInput, ATornImageIsSkipped) {
   const std::string recording = made_recording();
   tear(image_of(recording, 1, 4));
-  const std::string trajectory = scratch_dir() + "/t.txt";
-  expect_refused({"replay", recording, "--trajectory", trajectory}, 1, image_of(recording, 1, 4));
-  EXPECT_EQ(lines_of(read_file(trajectory)).size(), 4u);
+  expect_skipped(recording, 4, image_of(recording, 1, 4));
 }
 
-TEST(BadInput, AFirstImageThatIsTornOrNoImage) {
+TEST(BadInput, AFirstImageThatIsTornOrNoImageIsSkipped) {
   std::string recording = made_recording();
   tear(image_of(recording, 0, 0));
-  expect_refused({"replay", recording}, 1, image_of(recording, 0, 0));
+  expect_skipped(recording, 0, image_of(recording, 0, 0));
   recording = made_recording();
   std::ofstream(image_of(recording, 0, 0)) << "not an image";
-  expect_refused({"replay", recording}, 1, image_of(recording, 0, 0));
+  expect_skipped(recording, 0, image_of(recording, 0, 0));
+}
+
+TEST(BadInput, AStampThatRepeatsIsSkipped) {
+  const std::string recording = made_recording();
+  std::ofstream(recording + "/times.txt") << "0\n0.1\n0.2\n0.2\n0.4\n0.5\n";
+  expect_skipped(recording, 3, "repeats");
+}
+
+TEST(BadInput, ARecordingWithoutAnyImageThatCanBeRead) {
+  const std::string recording = made_recording();
+  for (int i = 0; i < 6; ++i) tear(image_of(recording, 1, i));
+  expect_refused({"replay", recording}, 1, image_of(recording, 1, 0));
+}
+
+TEST(BadInput, TrajectoriesBeyondReasonAreRefused) {
+  const std::string good = "1 0 0 0 0 1 0 0 0 0 1 0\n1 0 0 0 0 1 0 0 0 0 1 1\n";
+  const std::string fine = file_with("good.txt", good);
+  for (const char* row : {"1 0 0 1e200 0 1 0 0 0 0 1 0\n", "1 0 0 nan 0 1 0 0 0 0 1 0\n", "1 0 0 inf 0 1 0 0 0 0 1 0\n",
+                          "nan 0 0 0 0 1 0 0 0 0 1 0\n"}) {
+    const std::string bad = file_with("bad.txt", good + row);
+    expect_refused({"eval", "--reference", bad, "--estimate", fine}, 1, "bad.txt:3");
+    expect_refused({"eval", "--reference", fine, "--estimate", bad}, 1, "bad.txt:3");
+  }
+  const std::string tum = file_with("bad.tum", "0 0 0 0 0 0 0 1\n1e18 0 0 0 0 0 0 1\n");
+  expect_refused({"eval", "--reference", tum, "--estimate", tum}, 1, "bad.tum:2");
 }
 
 TEST(BadInput, ACalibrationThatIsMissingOrNone) {
@@ -200,7 +243,14 @@ TEST(WrongUsage, IsExitCode2AndOneLine) {
   expect_refused({"replay", "sim:frames=-1"}, 2, "frames");
   expect_refused({"replay", "sim", "--calibration", "calib.txt"}, 2, "sim");
   expect_refused({"eval", "--reference", "a.txt"}, 2, "--estimate");
-  expect_refused({"eval", "--reference", "a", "--estimate", "b", "--lengths", "0"}, 2, "--lengths");
+  for (const char* length : {"0", "nan", "inf", "-5", "1e200", "10,nan", "x"}) {
+    expect_refused({"eval", "--reference", "a", "--estimate", "b", "--lengths", length}, 2, "--lengths");
+  }
+  expect_refused({"eval", "--reference", "a", "--estimate", "b", "--tolerance", "nan"}, 2, "--tolerance");
+  expect_refused({"eval", "--reference", "a", "--estimate", "b", "--sample-period", "nan"}, 2, "--sample-period");
+  expect_refused({"replay", recording, "--rate", "nan"}, 2, "--rate");
+  expect_refused({"replay", recording, "--pair-tolerance", "nan"}, 2, "--pair-tolerance");
+  expect_refused({"replay", "sim", "--channel", "X"}, 2, "--channel");
   expect_refused({"disparity", "a.png", "b.png"}, 2, "--out");
   expect_refused({"disparity", "a.png", "b.png", "--out", "c.png", "--max-disparity", "0"}, 2, "--max-disparity");
 }
@@ -213,8 +263,9 @@ TEST(Help, TellsEveryCommandsOptionsWithExamples) {
     EXPECT_NE(run({binary("cliquevo"), "--help"}).out.find(command), std::string::npos);
   }
   const std::string help = run({binary("cliquevo"), "replay", "--help"}).out;
-  for (const char* option : {"--calibration", "--config", "--trajectory", "--format", "--stats", "--plot", "--speed",
-                             "--rate", "--first", "--last", "--every", "--pair-tolerance", "--lcm", "--strict"}) {
+  for (const char* option :
+       {"--calibration", "--config", "--trajectory", "--format", "--stats", "--plot", "--speed", "--rate", "--first",
+        "--last", "--every", "--pair-tolerance", "--lcm", "--strict", "--channel", "--side-by-side", "--swap-eyes"}) {
     EXPECT_NE(help.find(option), std::string::npos) << option;
   }
 }

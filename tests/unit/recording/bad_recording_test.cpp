@@ -67,10 +67,20 @@ TEST(bad_recording, one_eye_missing_or_without_images) {
   expect_open_error(dir, {"left eye is missing", "left"});
 }
 
-TEST(bad_recording, image_without_partner) {
+TEST(bad_recording, image_without_partner_is_named_and_the_rest_plays) {
   const std::string dir = good();
   fs::remove(dir + "/image_1/000002.png");
-  expect_open_error(dir, {"no partner", "image_0/000002.png"});
+  const std::vector<Error> errors = errors_of(dir, 4);
+  ASSERT_EQ(errors.size(), 1U);
+  test::expect_clear(errors[0], {"no partner", "image_0/000002.png"});
+}
+
+TEST(bad_recording, eyes_whose_images_have_nothing_in_common) {
+  const std::string dir = good();
+  for (const char* name : {"0", "1", "2", "3"}) {
+    fs::rename(dir + "/image_1/00000" + name + ".png", dir + "/image_1/x" + name + "y7.png");
+  }
+  expect_open_error(dir, {"no partner", "image_0/000000.png"});
 }
 
 TEST(bad_recording, eyes_of_unequal_size) {
@@ -148,10 +158,9 @@ TEST(bad_recording, times_that_are_junk) {
     write_file(dir + "/times.txt", times);
     expect_open_error(dir, fragments);
   };
-  with("0\n0.1\n0.2\n", {"3 rows for 4 images", "times.txt"});
-  with("0\n0.1\n0.2\n0.3\n0.4\n", {"5 rows for 4 images", "times.txt"});
-  with("0\n0.1\n0.1\n0.3\n", {"do not rise", "times.txt:3"});
-  with("0\n0.3\n0.2\n0.4\n", {"do not rise", "times.txt:3"});
+  with("0\n0.1\n", {"2 rows for 4 images", "times.txt"});
+  with("0\n0.1\n0.2\n0.3\n0.4\n0.5\n", {"6 rows for 4 images", "times.txt"});
+  with("0.3\n0.3\n0.3\n0.3\n", {"do not rise", "3 of 4"});
   with("0\nabc\n0.2\n0.4\n", {"no time", "times.txt:2"});
   with("0\nnan\n0.2\n0.4\n", {"no time", "times.txt:2"});
   with("0\n1e99\n0.2\n0.4\n", {"no time", "times.txt:2"});
@@ -160,6 +169,26 @@ TEST(bad_recording, times_that_are_junk) {
   with(std::string("0\n\0\n", 4), {"NUL", "times.txt"});
   with("", {"empty", "times.txt"});
   with("\n\n", {"empty", "times.txt"});
+}
+
+TEST(bad_recording, a_stamp_that_steps_back_or_repeats_costs_its_pair) {
+  for (const auto& [times, why] : std::vector<std::pair<const char*, const char*>>{
+           {"0\n0.1\n0.1\n0.3\n", "repeats"}, {"0\n0.1\n0.05\n0.3\n", "steps back by 0.05 s"}}) {
+    const std::string dir = good();
+    write_file(dir + "/times.txt", times);
+    RecordingOptions options;
+    options.path = dir;
+    auto source = open_recording(options);
+    ASSERT_TRUE(source.ok()) << source.error().line();
+    StereoPair pair;
+    for (int i = 0; i < 4; ++i) {
+      const auto more = (*source)->next(pair);
+      EXPECT_EQ(pair.index, i);
+      EXPECT_EQ(more.ok(), i != 2);
+      if (!more.ok()) test::expect_clear(more.error(), {"out of order", "image_0/000002.png", why});
+    }
+    EXPECT_EQ(pair.stamp_ns, 300'000'000);
+  }
 }
 
 TEST(bad_recording, dates_that_are_none) {
@@ -200,6 +229,21 @@ TEST(bad_recording, range_rate_and_tolerance_out_of_bounds) {
   with([](RecordingOptions& o) { o.first = -1; }, {"negative"});
   with([](RecordingOptions& o) { o.first = 3, o.last = 1; }, {"before the first"});
   with([](RecordingOptions& o) { o.every = 0; }, {"every"});
+  RecordingOptions far;
+  far.path = dir;
+  far.every = std::numeric_limits<std::int64_t>::max();
+  far.first = 1;
+  auto source = open_recording(far);
+  ASSERT_TRUE(source.ok());
+  EXPECT_EQ((*source)->info().frame_count, 1);
+  far.pingpong = true;
+  source = open_recording(far);
+  ASSERT_TRUE(source.ok());
+  StereoPair pair;
+  for (std::int64_t last = -1; last < 50; last = pair.index) {
+    ASSERT_TRUE((*source)->next(pair).ok());
+    ASSERT_GT(pair.index, last);
+  }
   with([](RecordingOptions& o) { o.rate_hz = 0.0; }, {"rate"});
   with([](RecordingOptions& o) { o.rate_hz = std::numeric_limits<double>::quiet_NaN(); }, {"rate"});
   with([](RecordingOptions& o) { o.pair_tolerance_s = -1.0; }, {"tolerance"});
@@ -216,7 +260,16 @@ TEST(bad_recording, euroc_list_that_does_not_fit_its_images) {
                "#timestamp [ns],filename\n1700000000000000000,1700000000000000000.png\n"
                "1700000000050000000,1700000000099000000.png\n");
   }
-  expect_open_error(dir, {"data.csv:3", "1700000000099000000"});
+  RecordingOptions options;
+  options.path = dir;
+  const auto source = open_recording(options);  // the stamps name the images as well
+  ASSERT_TRUE(source.ok()) << source.error().line();
+  EXPECT_EQ((*source)->info().frame_count, 2);
+  for (const bool left : {true, false}) {
+    write_file(dir + (left ? "/mav0/cam0" : "/mav0/cam1") + "/data.csv",
+               "#timestamp [ns],filename\n7,a.png\n8,b.png\n");
+  }
+  expect_open_error(dir, {"data.csv:2", "a.png"});
 }
 
 }  // namespace

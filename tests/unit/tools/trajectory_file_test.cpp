@@ -65,6 +65,28 @@ TEST(TrajectoryFile, TimesBelowZeroAndWithExponentAreUnderstood) {
   EXPECT_EQ(format_pose(TrajectoryFormat::tum, -500'000'000, {}).substr(0, 12), "-0.500000000");
 }
 
+TEST(TrajectoryFile, ReferencesOfEurocAndKitti360AreToldByTheirColumns) {
+  const auto euroc =
+      read_trajectory(file_with("#timestamp, p_x, p_y, p_z, q_w, q_x, q_y, q_z, v, v, v, b, b, b, b, b, b\n"
+                                "1403636580838555648,4.6,-1.7,0.7,0.5,-0.5,0.5,-0.5,0,0,0,0,0,0,0,0,0\n"
+                                "1403636580843555648,4.7,-1.7,0.7,1,0,0,0,0,0,0,0,0,0,0,0,0\n"));
+  ASSERT_TRUE(euroc.ok()) << euroc.error().line();
+  EXPECT_EQ(euroc->format, TrajectoryFormat::tum);
+  EXPECT_TRUE(euroc->of_body);
+  EXPECT_EQ(euroc->poses[0].stamp_ns, 1403636580838555648);
+  EXPECT_NEAR((euroc->poses[1].T_world_camera.R - Eigen::Matrix3d::Identity()).norm(), 0.0, 1e-12);
+  // Turned by 120 degrees about (-1, 1, -1).
+  EXPECT_NEAR((euroc->poses[0].T_world_camera.R * Eigen::Vector3d::UnitX() + Eigen::Vector3d::UnitY()).norm(), 0.0,
+              1e-12);
+  const auto numbered =
+      read_trajectory(file_with("1 1 0 0 386.5 0 1 0 0 0 0 1 0 0 0 0 1\n4 1 0 0 387 0 1 0 0 0 0 1 0 0 0 0 1\n"));
+  ASSERT_TRUE(numbered.ok()) << numbered.error().line();
+  EXPECT_TRUE(numbered->numbered);
+  EXPECT_EQ(numbered->poses[1].frame, 4);
+  EXPECT_FALSE(
+      read_trajectory(file_with("4 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n1 1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1\n")).ok());
+}
+
 TEST(TrajectoryFile, WhatIsNotAPoseIsNamedWithItsLine) {
   const std::string good = "1 0 0 0 0 1 0 0 0 0 1 0\n";
   const struct {

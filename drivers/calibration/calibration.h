@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Reading a calibration: what is asked for, and how the file of the other eye comes in.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "core/base/camera_model.h"
+#include "core/base/result.h"
+#include "drivers/calibration_file.h"
+
+namespace cliquevo::drivers {
+
+struct CalibrationRequest {
+  std::string path;  // file or folder
+  int width = 0;     // of the images, 0 = unknown
+  int height = 0;
+  int left_camera = 0;  // numbers of the eyes, where a file holds more cameras (KITTI's 0..3)
+  int right_camera = 1;
+  CalibrationOptions options;
+};
+
+Result<StereoCalibration> read_calibration(const CalibrationRequest& request);
+
+// A calibration may lie in more files than one. Asked for the first of these paths that exists.
+struct NamedText {
+  std::string path;
+  std::string text;
+};
+using OtherFile = std::function<Result<NamedText>(const std::vector<std::string>& paths)>;
+
+// Any format, from memory.
+Result<StereoCalibration> parse_calibration(const std::string& text, const CalibrationRequest& request,
+                                            const OtherFile& other);
+// Whether a file is the right eye's by its name.
+bool is_right_eye(const std::string& path);
+// The file in a folder that serves as calibration: by the usual names, else the only one of a known format. Empty =
+// none; the folder itself = several, among which reading it asks to choose.
+std::string find_calibration(const std::string& folder);
+
+// Whether reading failed for want of the lens's name alone (CalibrationOptions::lens).
+bool asks_for_lens(const Error& error);
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,214 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// From a file's name to its calibration: syntax, format, and the other files that belong to it.
+#include "drivers/calibration_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "drivers/calibration/checks.h"
+#include "drivers/calibration/formats.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostBytes = 1U << 20U;
+
+constexpr std::array<std::pair<const char*, const char*>, 7> kEyeWords{{{"left", "right"},
+                                                                        {"Left", "Right"},
+                                                                        {"LEFT", "RIGHT"},
+                                                                        {"cam0", "cam1"},
+                                                                        {"camera0", "camera1"},
+                                                                        {"camera_0", "camera_1"},
+                                                                        {"infra1", "infra2"}}};
+
+std::string extension_of(const std::string& path) {
+  std::string out = fs::path(path).extension().string();
+  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return out;
+}
+
+bool has_key_line(const std::vector<TextLine>& lines, std::string_view key) {
+  return std::any_of(lines.begin(), lines.end(), [&](const TextLine& line) {
+    return line.text.substr(0, key.size()) == key && trim(line.text.substr(key.size())).substr(0, 1) == ":";
+  });
+}
+
+bool looks_like_yaml(const std::string& path, const CalibrationText& file) {
+  const std::string extension = extension_of(path);
+  if (extension == ".yaml" || extension == ".yml" || extension == ".json" || file.text.compare(0, 5, "%YAML") == 0 ||
+      file.text.compare(0, 1, "{") == 0) {
+    return true;
+  }
+  const auto known = {"cam0", "T_BS",    "camera_matrix", "image_width", "distortion_model", "K1",     "M1",
+                      "K",    "cameras", "cameraMatrix1", "body_T_cam0", "Camera.fx",        "LEFT.K", "K_left"};
+  return std::any_of(known.begin(), known.end(), [&](const char* key) { return has_key_line(file.lines, key); });
+}
+
+// [section] lines with key = value below them.
+bool looks_like_ini(const CalibrationText& file) {
+  bool section = false;
+  for (const TextLine& line : file.lines) {
+    section = section || (line.text.front() == '[' && line.text.back() == ']');
+    if (section && line.text.find('=') != std::string_view::npos) return true;
+  }
+  return false;
+}
+
+Error unknown_format(const CalibrationText& file) {
+  std::string looked_for;
+  for (const CalibrationFormat& format : calibration_formats()) {
+    looked_for += fmt::format("{}{} ({})", looked_for.empty() ? "" : ", ", format.name, format.keys);
+  }
+  std::string found = "nothing";
+  if (file.document) {
+    found = file.document->keys_found();
+  } else if (!file.lines.empty()) {
+    found = fmt::format("'{}'", printable(file.lines.front().text.substr(0, 40)));
+  }
+  const std::string where =
+      file.document || file.lines.empty() ? file.path : fmt::format("{}:{}", file.path, file.lines.front().number);
+  return {fmt::format("calibration is of no known format (found: {})", found), where, "name one of " + looked_for};
+}
+
+Result<NamedText> read_first(const std::string& path, const std::vector<std::string>& paths) {
+  std::error_code ec;
+  std::string wanted;
+  for (const std::string& candidate : paths) {
+    if (candidate.empty() || candidate == path) continue;
+    if (wanted.empty()) wanted = candidate;
+    if (!fs::exists(candidate, ec)) continue;
+    Result<std::string> text = read_text_file(candidate, "calibration", kMostBytes);
+    if (!text) return text.error();
+    return NamedText{candidate, std::move(*text)};
+  }
+  return Error{"calibration of the other eye is missing", wanted.empty() ? path : wanted,
+               "put both beside each other, named left and right or cam0 and cam1"};
+}
+
+}  // namespace
+
+CalibrationText::CalibrationText(std::string file_path, std::string file_text)
+    : path(std::move(file_path)), text(std::move(file_text)), lines(split_lines(text)) {
+  const std::string_view begin = trim(std::string_view(text).substr(0, 256));
+  Result<Document> read = Error{};
+  if (begin.starts_with("<")) {
+    read = Document::parse_xml(text, path);
+  } else if (looks_like_yaml(path, *this)) {
+    read = Document::parse_yaml(text, path);
+  } else if (looks_like_ini(*this)) {
+    read = Document::parse_ini(text, path);
+  } else {
+    return;
+  }
+  if (read) {
+    document = std::move(*read);
+  } else {
+    broken = read.error();
+  }
+}
+
+std::string CalibrationText::name() const { return fs::path(path).filename().string(); }
+
+bool CalibrationText::has_line(std::string_view key) const { return has_key_line(lines, key); }
+
+std::string replaced(const std::string& path, const std::string& from, const std::string& to, int depth) {
+  std::size_t begin = path.size();
+  for (int i = 0; i < depth && begin != std::string::npos && begin > 0; ++i) begin = path.rfind('/', begin - 1);
+  if (begin == std::string::npos) begin = 0;
+  const std::size_t at = path.rfind(from);
+  if (at == std::string::npos || at < begin) return {};
+  std::string out = path;
+  return out.replace(at, from.size(), to);
+}
+
+std::string beside(const std::string& path, const std::string& name) {
+  return (fs::path(path).parent_path() / name).string();
+}
+
+std::vector<std::string> other_eye_paths(const std::string& path) {
+  std::vector<std::string> out;
+  for (const auto& [left, right] : kEyeWords) {
+    for (const std::string& name : {replaced(path, left, right, 2), replaced(path, right, left, 2)}) {
+      if (!name.empty()) out.push_back(name);
+    }
+  }
+  return out;
+}
+
+Result<Document> read_other(const OtherFile& other, const std::vector<std::string>& paths) {
+  Result<NamedText> file = other(paths);
+  if (!file) return file.error();
+  CalibrationText parsed(std::move(file->path), std::move(file->text));
+  if (parsed.broken) return *parsed.broken;
+  if (!parsed.document) return unknown_format(parsed);
+  return std::move(*parsed.document);
+}
+
+bool is_right_eye(const std::string& path) {
+  return std::any_of(kEyeWords.begin(), kEyeWords.end(), [&](const auto& words) {
+    return replaced(path, words.first, words.second, 2).empty() &&
+           !replaced(path, words.second, words.first, 2).empty();
+  });
+}
+
+Result<StereoCalibration> parse_calibration(const std::string& text, const CalibrationRequest& request,
+                                            const OtherFile& other) {
+  const CalibrationText file(request.path, text);
+  if (file.lines.empty()) return Error{"calibration is empty", request.path, "copy it again"};
+  if (file.broken) return *file.broken;
+  for (const CalibrationFormat& format : calibration_formats()) {
+    if (format.recognise(file)) return format.read(file, request, other);
+  }
+  if (!file.document) {  // lines "key: numbers" or "key = numbers" of nobody's format may still name what they are
+    CalibrationText plain(request.path, text);
+    if (auto lines = Document::parse_ini(text, request.path)) plain.document = std::move(*lines);
+    if (is_keyed(plain)) return read_keyed(plain, request, other);
+  }
+  return unknown_format(file);
+}
+
+Result<StereoCalibration> read_calibration(const CalibrationRequest& request) {
+  if (auto ok = request.options.check(); !ok) return ok.error();
+  std::error_code ec;
+  CalibrationRequest file = request;
+  if (fs::is_directory(request.path, ec)) {
+    file.path = find_calibration(request.path);
+    if (file.path.empty()) {
+      return Error{"folder holds no calibration", request.path, "name the file with --calibration"};
+    }
+    if (file.path == request.path) {
+      return Error{"folder holds several calibrations", request.path, "name one with --calibration"};
+    }
+  }
+  const Result<std::string> text = read_text_file(file.path, "calibration", kMostBytes);
+  if (!text) return text.error();
+  return parse_calibration(*text, file, [&](const std::vector<std::string>& paths) { return read_first("", paths); });
+}
+
+Result<StereoCalibration> read_calibration(const std::string& path, int width, int height,
+                                           const CalibrationOptions& options) {
+  CalibrationRequest request;
+  request.path = path;
+  request.width = width;
+  request.height = height;
+  request.options = options;
+  return read_calibration(request);
+}
+
+Result<void> CalibrationOptions::check() const {
+  if (!(baseline_unit_m >= 0.0 && baseline_unit_m <= 1e6)) {
+    return Error{"configuration value out of range", "baseline_unit", "give metres a unit, 0 to 1e6"};
+  }
+  if (lens.empty() || lens == "plumb_bob" || lens == "equidistant") return {};
+  return Error{"configuration value out of range", "lens", "give plumb_bob, equidistant, or nothing"};
+}
+
+}  // namespace cliquevo::drivers

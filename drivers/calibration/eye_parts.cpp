@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/calibration/eye_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "drivers/calibration/lens_guess.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+bool all_zero(const std::vector<double>& v) {
+  return std::all_of(v.begin(), v.end(), [](double x) { return x == 0.0; });
+}
+
+bool has_projection(const EyeParts& eye) { return eye.P.size() == 12 && !all_zero(eye.P); }
+
+// An eye without a camera matrix, or without a rotation: of rectified images, where nothing bends.
+Result<void> fill_from_projection(EyeParts& eye) {
+  const bool straight = all_zero(eye.D);
+  if (eye.camera.fx_px <= 0.0) {
+    if (!straight) return calibration_error("camera matrix is singular (focal length <= 0)", eye.where);
+    eye.camera.fx_px = eye.P[0];
+    eye.camera.fy_px = eye.P[5];
+    eye.camera.cx_px = eye.P[2];
+    eye.camera.cy_px = eye.P[6];
+  }
+  if (!eye.R) {
+    if (!straight) {
+      return calibration_error("rectification is not told (R of zeros) though the lens has distortion", eye.where);
+    }
+    eye.R = Eigen::Matrix3d::Identity();
+  }
+  return {};
+}
+
+// Images that nothing bends and turns, with projections of unequal focal lengths or rows: two plain cameras.
+bool is_plain_pair(const EyeParts& left, const EyeParts& right) {
+  const auto straight = [](const EyeParts& eye) {
+    return all_zero(eye.D) && (*eye.R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9;
+  };
+  const bool unequal = std::abs(left.P[0] - right.P[0]) > 1e-6 || std::abs(left.P[5] - right.P[5]) > 1e-6 ||
+                       std::abs(left.P[6] - right.P[6]) > 1e-6;
+  return straight(left) && straight(right) && unequal;
+}
+
+// Projections are of rectified images, whose rows and scale are one; some producers give each eye its own all the same.
+void mend_projections(EyeParts& left, EyeParts& right, std::vector<std::string>& notes) {
+  constexpr double kSmall = 0.015;
+  if (!(std::abs(left.P[0] / right.P[0] - 1.0) < kSmall && std::abs(left.P[5] / right.P[5] - 1.0) < kSmall &&
+        std::abs(left.P[6] - right.P[6]) < kSmall * left.P[5])) {
+    return;
+  }
+  notes.push_back(
+      fmt::format("projections of rectified images have unequal focal lengths ({:.2f} and {:.2f} px) or "
+                  "rows: their means are taken",
+                  left.P[0], right.P[0]));
+  const double baseline_m = right.P[3] / right.P[0] - left.P[3] / left.P[0];
+  for (const std::size_t i : {std::size_t{0}, std::size_t{5}, std::size_t{6}}) {
+    left.P[i] = right.P[i] = 0.5 * (left.P[i] + right.P[i]);
+  }
+  left.P[3] = 0.0;
+  right.P[3] = baseline_m * right.P[0];
+}
+
+Result<StereoCalibration> plain_pair(const EyeParts& left, const EyeParts& right, std::vector<std::string> notes,
+                                     const CalibrationRequest& request) {
+  StereoCalibration c;
+  c.notes = std::move(notes);
+  for (const EyeParts* eye : {&left, &right}) {
+    CameraCalibration& camera = eye == &left ? c.left : c.right;
+    camera = eye->camera;
+    const std::vector<double>& P = eye->P;
+    if (auto ok = set_camera_matrix({P[0], P[1], P[2], P[4], P[5], P[6], P[8], P[9], P[10]}, eye->where, camera); !ok) {
+      return ok.error();
+    }
+    camera.distortion = Distortion::none;
+  }
+  c.T_right_left.t.x() = right.P[3] / right.P[0] - left.P[3] / left.P[0];
+  return finish_calibration(c, request);
+}
+
+}  // namespace
+
+Result<void> put_camera_matrix(const std::vector<double>& K, const std::string& where, EyeParts& eye) {
+  if (all_zero(K)) return {};
+  return set_camera_matrix(K, where, eye.camera);
+}
+
+Result<void> put_rectification(const std::vector<double>& R, const std::string& where, EyeParts& eye) {
+  if (all_zero(R)) return {};
+  const Eigen::Matrix3d rotation = matrix3_from(R);
+  if (auto ok = check_rotation(rotation, where); !ok) return ok;
+  eye.R = rotation;
+  return {};
+}
+
+Result<void> settle_lenses(EyeParts& left, EyeParts& right, const CalibrationOptions& options,
+                           std::vector<std::string>& notes) {
+  const bool unnamed = left.lens.empty() && right.lens.empty() && left.D.size() == 4 && right.D.size() == 4;
+  if (unnamed && !options.lens.empty()) {
+    left.lens = right.lens = options.lens;
+  } else if (unnamed) {
+    const LensGuess guess = guess_lens(left.camera, left.D, right.camera, right.D);
+    if (guess.lens.empty()) return lens_question(left.D_where);
+    if (!guess.note.empty()) notes.push_back(guess.note + " (" + left.D_where + ")");
+    left.lens = right.lens = guess.lens;
+  }
+  for (EyeParts* eye : {&left, &right}) {
+    if (auto ok = set_distortion(eye->lens, eye->D, eye->D_where, eye->camera); !ok) return ok;
+  }
+  return {};
+}
+
+Result<StereoCalibration> rig_of_projections(EyeParts left, EyeParts right, const std::optional<Eigen::Vector3d>& T,
+                                             const CalibrationRequest& request) {
+  for (EyeParts* eye : {&left, &right}) {
+    if (!has_projection(*eye)) {
+      return calibration_error("projection is all zeros: it holds no baseline", eye->where);
+    }
+    if (eye->P[0] <= 0.0 || eye->P[5] <= 0.0) {
+      return calibration_error("projection is singular (focal length <= 0)", eye->where);
+    }
+    if (auto ok = fill_from_projection(*eye); !ok) return ok.error();
+  }
+  StereoCalibration c;
+  if (auto ok = settle_lenses(left, right, request.options, c.notes); !ok) return ok.error();
+  // Some drivers leave the baseline out of P and give T (left -> right) instead.
+  if (left.P[3] == 0.0 && right.P[3] == 0.0) {
+    if (!T) return calibration_error("baseline is zero (P of the right eye has no fx * Tx)", right.where);
+    right.P[3] = (T->x() < 0.0 ? -1.0 : 1.0) * right.P[0] * T->norm();
+  }
+  if (is_plain_pair(left, right)) {
+    mend_projections(left, right, c.notes);
+    return plain_pair(left, right, std::move(c.notes), request);
+  }
+  const Result<StereoModel> model = model_from_projections(left.P, right.P, right.where + " (projection matrix)");
+  if (!model) return model.error();
+  c.left = left.camera;
+  c.right = right.camera;
+  // In the rectified frames the eyes differ by the baseline alone.
+  c.T_right_left.R = right.R->transpose() * *left.R;
+  c.T_right_left.t = right.R->transpose() * Eigen::Vector3d(-model->baseline_m, 0.0, 0.0);
+  c.prescribed = PrescribedRectification{*left.R, *right.R, *model};
+  return finish_calibration(c, request);
+}
+
+Result<StereoCalibration> rig_of_pose(EyeParts left, EyeParts right, const RigidTransform& T_right_left,
+                                      const CalibrationRequest& request) {
+  StereoCalibration c;
+  if (auto ok = settle_lenses(left, right, request.options, c.notes); !ok) return ok.error();
+  c.left = left.camera;
+  c.right = right.camera;
+  c.T_right_left = T_right_left;
+  if (left.R && right.R && has_projection(left) && has_projection(right)) {
+    const Result<StereoModel> model = model_from_projections(left.P, right.P, right.where + " (projection matrix)");
+    if (!model) return model.error();
+    c.prescribed = PrescribedRectification{*left.R, *right.R, *model};
+  }
+  return finish_calibration(c, request);
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The calibration in a folder: a usual name, else whatever file is of a known format.
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <vector>
+
+#include "drivers/calibration/format.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostBytes = 1U << 20U;
+constexpr std::size_t kMostFiles = 200;  // of a folder, that are looked into
+
+constexpr std::array<const char*, 38> kNames{"calib_cam_to_cam.txt",
+                                             "perspective.txt",
+                                             "calib.txt",
+                                             "undistorted_calib_stereo.txt",
+                                             "camchain.yaml",
+                                             "kalibr_imucam_chain.yaml",
+                                             "stereo.yaml",
+                                             "stereo.yml",
+                                             "calibration.yaml",
+                                             "calibration.yml",
+                                             "calibration.json",
+                                             "calib.yaml",
+                                             "calib.yml",
+                                             "stereo_calib.yaml",
+                                             "stereo_calib.yml",
+                                             "stereo_calibration.yaml",
+                                             "stereo_calibration.yml",
+                                             "intrinsics.yml",
+                                             "intrinsics.yaml",
+                                             "extrinsics.yml",
+                                             "left.yaml",
+                                             "left.yml",
+                                             "camera_left.yaml",
+                                             "left_camera.yaml",
+                                             "left_camera_info.yaml",
+                                             "camera_info_left.yaml",
+                                             "cam0.yaml",
+                                             "cam0/sensor.yaml",
+                                             "mav0/cam0/sensor.yaml",
+                                             "left/camera_info.yaml",
+                                             "camera.txt",
+                                             "calibration.txt",
+                                             "ost.txt",
+                                             "ost.yaml",
+                                             "left.ini",
+                                             "right.yaml",
+                                             "cam1.yaml",
+                                             "cam1/sensor.yaml"};
+
+bool is_calibration(const fs::path& path) {
+  const std::string extension = path.extension().string();
+  const auto known = {".yaml", ".yml", ".json", ".xml", ".conf", ".ini", ".txt"};
+  if (std::find(known.begin(), known.end(), extension) == known.end()) return false;
+  Result<std::string> text = read_text_file(path.string(), "calibration", kMostBytes);
+  if (!text) return false;
+  const CalibrationText file(path.string(), std::move(*text));
+  if (file.broken || file.lines.empty()) return false;
+  const auto formats = calibration_formats();
+  return std::any_of(formats.begin(), formats.end(), [&](const CalibrationFormat& f) { return f.recognise(file); });
+}
+
+std::string find_in(const std::string& folder) {
+  std::error_code ec;
+  for (const char* name : kNames) {
+    const fs::path file = fs::path(folder) / name;
+    if (fs::exists(file, ec)) return file.string();
+  }
+  std::vector<std::string> chains;  // Kalibr puts the name of its recording into that of the file
+  std::vector<std::string> files;
+  std::size_t seen = 0;
+  for (fs::directory_iterator entry(folder, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
+    const std::string name = entry->path().filename().string();
+    if (name.find("camchain") != std::string::npos && entry->path().extension() == ".yaml") {
+      chains.push_back(entry->path().string());
+    }
+    if (++seen <= kMostFiles && is_calibration(entry->path())) files.push_back(entry->path().string());
+  }
+  if (!chains.empty()) return *std::min_element(chains.begin(), chains.end());
+  // One an eye is one calibration; the left eye's stands for it.
+  files.erase(std::remove_if(files.begin(), files.end(), [](const std::string& path) { return is_right_eye(path); }),
+              files.end());
+  if (files.empty()) return {};
+  return files.size() == 1 ? files.front() : folder;
+}
+
+}  // namespace
+
+std::string find_calibration(const std::string& folder) {
+  std::string found = find_in(folder);
+  std::error_code ec;
+  for (const char* name : {"calibration", "Calibration", "calib", "camera_info"}) {
+    const fs::path inner = fs::path(folder) / name;
+    if (found.empty() && fs::is_directory(inner, ec)) found = find_in(inner.string());
+  }
+  return found;
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The calibration formats: a row each. A new one is a file with its recognise and read, and a row in formats.cpp.
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "drivers/calibration/calibration.h"
+#include "drivers/calibration/document.h"
+#include "drivers/text_file.h"
+
+namespace cliquevo::drivers {
+
+// A file in the forms that formats look at.
+struct CalibrationText {
+  std::string path;
+  std::string text;
+  std::vector<TextLine> lines;       // views into `text`
+  std::optional<Document> document;  // where the text is YAML, JSON, XML or INI
+  std::optional<Error> broken;       // where it should be one of them and is none
+
+  CalibrationText(std::string path, std::string text);
+  CalibrationText(const CalibrationText&) = delete;  // `lines` point into it
+  CalibrationText& operator=(const CalibrationText&) = delete;
+
+  std::string name() const;  // of the file, without folder
+  // Whether a line begins "key:".
+  bool has_line(std::string_view key) const;
+  bool has(std::string_view key) const { return document && document->has(key); }
+};
+
+struct CalibrationFormat {
+  const char* name;  // as messages have it
+  const char* keys;  // what it is known by
+  bool (*recognise)(const CalibrationText& file);
+  Result<StereoCalibration> (*read)(const CalibrationText& file, const CalibrationRequest& request,
+                                    const OtherFile& other);
+};
+
+// In the order in which a file is tried.
+std::span<const CalibrationFormat> calibration_formats();
+
+// Syntaxes of other files of a calibration.
+Result<Document> read_other(const OtherFile& other, const std::vector<std::string>& paths);
+// The names that the file of the other eye may have: the same one with "left" for "right" and so on.
+std::vector<std::string> other_eye_paths(const std::string& path);
+// `path` with its file's name replaced.
+std::string beside(const std::string& path, const std::string& name);
+// `path` with the last `from` in its last `depth` components replaced; empty = it has none.
+std::string replaced(const std::string& path, const std::string& from, const std::string& to, int depth);
+
+}  // namespace cliquevo::drivers

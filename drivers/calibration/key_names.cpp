@@ -1,0 +1,264 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/calibration/key_names.h"
+
+#include <algorithm>
+#include <cctype>
+#include <initializer_list>
+#include <string_view>
+
+namespace cliquevo::drivers {
+
+namespace {
+
+bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
+
+bool among(const std::string& word, std::initializer_list<const char*> words) {
+  return std::any_of(words.begin(), words.end(), [&](const char* w) { return word == w; });
+}
+
+// Words in lower case: split at other characters, between small and capital letters, letters and digits.
+std::vector<std::string> words_of(const std::string& key) {
+  std::vector<std::string> out;
+  bool open = false;
+  for (std::size_t i = 0; i < key.size(); ++i) {
+    const char c = key[i];
+    if (!is_letter(c) && !is_digit(c)) {
+      open = false;
+      continue;
+    }
+    if (open) {
+      const char before = key[i - 1];
+      const bool next_small = i + 1 < key.size() && is_letter(key[i + 1]) && !is_upper(key[i + 1]);
+      const bool cut = is_digit(c) != is_digit(before) || (is_upper(c) && !is_upper(before)) ||
+                       (is_upper(c) && is_upper(before) && next_small);
+      open = !cut;
+    }
+    if (!open) out.emplace_back();
+    open = true;
+    out.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  }
+  return out;
+}
+
+bool is_number(const std::string& word) { return !word.empty() && is_digit(word[0]); }
+
+// Words that a single letter for the eye is written to: "KL", "fxr", "mtxl".
+void split_fused(std::vector<std::string>& words) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& w = words[i];
+    if (among(w, {"tlr", "trl", "rlr", "rrl"})) {
+      const std::string what = w.substr(0, 1);
+      words[i] = what;
+      words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, "lr");
+      continue;
+    }
+    if (w.size() < 2 || (w.back() != 'l' && w.back() != 'r')) continue;
+    const std::string stem = w.substr(0, w.size() - 1);
+    if (!among(stem, {"k", "m", "d", "p", "r", "fx", "fy", "cx", "cy", "mtx", "dist", "kc", "cam", "matrix", "coeffs",
+                      "coeff", "intrinsics", "distortion"})) {
+      continue;
+    }
+    const std::string eye(1, w.back());
+    words[i] = stem;
+    words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, eye);
+  }
+}
+
+// Says nothing about what the value is.
+bool is_filler(const std::string& w) {
+  return among(
+      w, {"camera",  "cam",       "cameras",     "matrix", "mat",          "mtx",        "parameters",  "params",
+          "param",   "parameter", "calibration", "calib",  "coefficients", "coefficent", "coefficents", "coefficient",
+          "coeffs",  "coeff",     "coefs",       "coef",   "vector",       "vec",        "the",         "of",
+          "between", "stereo",    "value",       "values", "to",           "raw",        "px",          "m",
+          "image",   "img",       "eye",         "data"});
+}
+
+struct Words {
+  std::vector<std::string> rest;  // without eyes and fillers
+  bool matrix = false;            // fillers that mean something where nothing else is
+  bool coefficients = false;
+  bool m = false;
+};
+
+// Takes the words for eyes and the cameras' numbers out. `of_a_group`: the key of a map that holds the quantity.
+Words sort_words(std::vector<std::string> words, bool of_a_group, KeyMeaning& meaning) {
+  split_fused(words);
+  Words out;
+  // "r" is the right eye beside another word, and a rotation alone.
+  std::size_t others = of_a_group ? 1 : 0;
+  for (const std::string& w : words) {
+    const bool silent = is_number(w) || among(w, {"r", "l", "left", "right", "cam", "camera", "stereo", "calib",
+                                                  "calibration", "extrinsic", "extrinsics"});
+    others += silent ? 0 : 1;
+  }
+  bool rotation = false;
+  const auto see = [&meaning](KeySide side) {
+    meaning.side = meaning.side == KeySide::none || meaning.side == side ? side : KeySide::both;
+  };
+  for (const std::string& w : words) {
+    if (among(w, {"left", "l", "lft", "first"})) {
+      see(KeySide::left);
+    } else if (among(w, {"right", "rgt", "second"})) {
+      see(KeySide::right);
+    } else if (among(w, {"lr", "rl"})) {
+      meaning.side = KeySide::both;
+    } else if (w == "r" && (others > 0 || rotation)) {
+      see(KeySide::right);
+    } else if (is_number(w)) {
+      if (w.size() > 1 || meaning.number) {
+        if (w.size() <= 2) meaning.side = KeySide::both;  // "R_12", "T_c1_c2"
+      } else {
+        meaning.number = w[0] - '0';
+      }
+    } else {
+      rotation = rotation || w == "r";
+      out.matrix = out.matrix || among(w, {"matrix", "mat", "mtx", "camera", "cam"});
+      out.coefficients = out.coefficients || w.starts_with("coef");
+      out.m = out.m || w == "m";
+      if (!is_filler(w)) out.rest.push_back(w);
+    }
+  }
+  return out;
+}
+
+// Frames in a pose's name besides the cameras'.
+bool names_body(const std::vector<std::string>& words) {
+  return std::any_of(words.begin(), words.end(), [](const std::string& w) {
+    return among(w, {"imu", "body", "b", "i", "s", "bs", "sc", "bc", "cb", "ic", "ci", "base"});
+  });
+}
+
+void read_pose(const std::vector<std::string>& words, KeyMeaning& meaning) {
+  const auto at = [&](std::initializer_list<const char*> names) {
+    return std::find_if(words.begin(), words.end(), [&](const std::string& w) { return among(w, names); });
+  };
+  if (!names_body(words)) return;
+  meaning.against_body = true;
+  const auto body = at({"imu", "body", "b", "i", "base", "bs", "sc", "bc", "ic"});
+  const auto camera = at({"cam", "camera", "c", "cb", "ci"});
+  meaning.body_first = body != words.end() && (camera == words.end() || body < camera);
+}
+
+Quantity scalar(const std::vector<std::string>& rest) {
+  if (rest.empty()) return Quantity::none;
+  const std::string& w = rest.back();
+  if (among(w, {"fx", "fu", "gamma1", "alphax"})) return Quantity::fx;
+  if (among(w, {"fy", "fv", "alphay"})) return Quantity::fy;
+  if (among(w, {"cx", "cu", "ppx", "u"})) return Quantity::cx;
+  if (among(w, {"cy", "cv", "ppy", "v"})) return Quantity::cy;
+  if (among(w, {"f", "focal", "focallength"}) || (w == "length" && rest.front() == "focal")) return Quantity::focal;
+  if (among(w, {"width", "cols", "w"})) return Quantity::width;
+  if (among(w, {"height", "rows", "h"})) return Quantity::height;
+  if (w == "bf" || w == "fb" || (w == "baseline" && rest.front() == "focal")) return Quantity::bf;
+  if (w == "baseline" || w == "b") return Quantity::baseline;
+  if (w == "xi") return Quantity::xi;
+  if (w == "alpha") return Quantity::alpha;
+  if (w == "beta") return Quantity::beta;
+  return Quantity::none;
+}
+
+bool is_rectified_name(const std::vector<std::string>& rest) {
+  return std::any_of(rest.begin(), rest.end(), [](const std::string& w) {
+    return among(w, {"new", "optimal", "rectified", "undistorted", "undist", "roi", "valid", "error", "rms", "std",
+                     "essential", "fundamental", "covariance", "noise", "lidar", "velo", "depth", "gps", "mocap"});
+  });
+}
+
+bool is_rotation_word(const std::string& w) {
+  return w == "r" || w.starts_with("rot") || among(w, {"rmat", "om", "rvec", "rodrigues"});
+}
+bool is_translation_word(const std::string& w) {
+  return w == "t" || w == "trans" || w.starts_with("transl") || w == "tvec";
+}
+
+Quantity array(const Words& words, std::size_t count) {
+  const std::vector<std::string>& rest = words.rest;
+  if (rest.empty()) {
+    if (count == 9 && (words.matrix || words.m)) return Quantity::camera_matrix;
+    return words.coefficients ? Quantity::distortion : Quantity::none;
+  }
+  const std::string& first = rest.front();
+  const auto any = [&](auto test) { return std::any_of(rest.begin(), rest.end(), test); };
+  if (any([](const std::string& w) { return w.starts_with("dist") && w != "distance"; })) return Quantity::distortion;
+  if (rest.size() == 1 && among(first, {"d", "dc", "kc"})) return Quantity::distortion;
+  if (any([](const std::string& w) { return w.starts_with("rect"); })) {
+    return count == 9 ? Quantity::rectification : count == 12 ? Quantity::projection : Quantity::none;
+  }
+  if (any([](const std::string& w) { return w.starts_with("proj"); }) || (rest.size() == 1 && first == "p")) {
+    return count == 12 ? Quantity::projection : Quantity::none;
+  }
+  if (any([](const std::string& w) { return w.starts_with("intr"); }) ||
+      (rest.size() == 1 && among(first, {"k", "a", "kk", "cm", "km", "kmat", "kmtx", "int"}))) {
+    return Quantity::camera_matrix;
+  }
+  if (any(is_rotation_word) && (count == 9 || count == 3)) return Quantity::rotation;
+  if (any(is_translation_word) && count == 3) return Quantity::translation;
+  const bool pose = any([](const std::string& w) {
+    return w == "t" || w == "rt" || w == "tf" || w == "pose" || w.starts_with("transf") || w.starts_with("extr");
+  });
+  if (pose && (count == 16 || count == 12)) return Quantity::pose;
+  if (count == 2) {
+    if (any([](const std::string& w) { return w == "shape"; })) return Quantity::shape;
+    if (any([](const std::string& w) {
+          return among(w, {"size", "resolution", "imsize", "imgsize", "imagesize", "dimension", "dim", "framesize"});
+        })) {
+      return Quantity::size;
+    }
+  }
+  return Quantity::none;
+}
+
+Quantity word_value(const Words& words) {
+  const std::vector<std::string>& rest = words.rest;
+  const bool model = std::any_of(rest.begin(), rest.end(), [](const std::string& w) {
+    return among(w, {"model", "type", "lens"});
+  });
+  return model ? Quantity::lens : Quantity::none;
+}
+
+// "k1", "p2", "k1l": a term and its number, taken out of the words.
+bool is_term(std::vector<std::string>& words, KeyMeaning& meaning) {
+  for (std::size_t i = 0; i + 1 < words.size(); ++i) {
+    if (!among(words[i], {"k", "p", "s"}) || words[i + 1].size() != 1 || !is_digit(words[i + 1][0])) continue;
+    const int index = words[i + 1][0] - '0';
+    if (index < 1 || index > 6) continue;
+    meaning.index = index;
+    meaning.quantity = words[i] == "k" ? Quantity::k : words[i] == "p" ? Quantity::p : Quantity::s;
+    const auto at = words.begin() + static_cast<std::ptrdiff_t>(i);
+    words.erase(at, at + 2);
+    return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+KeyMeaning meaning_of(const std::vector<std::string>& path, std::size_t count) {
+  KeyMeaning meaning;
+  bool decided = false;
+  std::vector<std::string> all;
+  for (std::size_t i = path.size(); i-- > 0;) {
+    std::vector<std::string> words = words_of(path[i]);
+    all.insert(all.begin(), words.begin(), words.end());
+    if (!decided && count == 1 && is_term(words, meaning)) {
+      decided = true;
+    }
+    const Words sorted = sort_words(words, decided, meaning);
+    if (is_rectified_name(sorted.rest) && count != 0) return {};
+    if (decided) continue;
+    const bool silent = sorted.rest.empty() && !sorted.matrix && !sorted.coefficients && !sorted.m;
+    if (silent) continue;
+    meaning.quantity = count == 0 ? word_value(sorted) : count == 1 ? scalar(sorted.rest) : array(sorted, count);
+    decided = true;
+  }
+  if (meaning.quantity == Quantity::pose || meaning.quantity == Quantity::rotation ||
+      meaning.quantity == Quantity::translation) {
+    read_pose(all, meaning);
+  }
+  return meaning;
+}
+
+}  // namespace cliquevo::drivers

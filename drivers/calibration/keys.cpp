@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "drivers/calibration/keys.h"
+
+#include <algorithm>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "drivers/text_file.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+bool is_of_a_camera(Quantity q) {
+  switch (q) {
+    case Quantity::camera_matrix:
+    case Quantity::distortion:
+    case Quantity::fx:
+    case Quantity::fy:
+    case Quantity::cx:
+    case Quantity::cy:
+    case Quantity::focal:
+    case Quantity::k:
+    case Quantity::p:
+    case Quantity::s:
+      return true;
+    default:
+      return false;
+  }
+}
+
+}  // namespace
+
+void Keys::add(const Document& document) {
+  std::vector<std::string> path;
+  walk(document.root(), document.path(), "", path);
+  settle_numbers();
+}
+
+Result<const KeyEntry*> Keys::find(Quantity quantity, KeySide side, int index) const {
+  const KeyEntry* found = nullptr;
+  for (const KeyEntry& entry : entries_) {
+    if (entry.meaning.quantity != quantity || entry.meaning.side != side || entry.meaning.index != index) continue;
+    if (entry.error) return *entry.error;
+    if (found != nullptr && (found->numbers != entry.numbers || found->word != entry.word)) {
+      return Error{"calibration says the same twice, and differently", entry.where,
+                   "leave one of " + printable(found->key) + " and " + printable(entry.key)};
+    }
+    if (found == nullptr) found = &entry;
+  }
+  return found;
+}
+
+std::vector<const KeyEntry*> Keys::lenses(KeySide side) const {
+  std::vector<const KeyEntry*> out;
+  for (const KeyEntry& entry : entries_) {
+    const KeyMeaning& m = entry.meaning;
+    if (m.quantity == Quantity::lens && (m.side == side || m.side == KeySide::none)) out.push_back(&entry);
+  }
+  return out;
+}
+
+bool Keys::has(Quantity quantity, KeySide side) const {
+  return std::any_of(entries_.begin(), entries_.end(), [&](const KeyEntry& entry) {
+    return entry.meaning.quantity == quantity && entry.meaning.side == side;
+  });
+}
+
+bool Keys::has(Quantity quantity) const {
+  return std::any_of(entries_.begin(), entries_.end(),
+                     [&](const KeyEntry& entry) { return entry.meaning.quantity == quantity; });
+}
+
+void Keys::walk(const DocumentNode& node, const std::string& file, const std::string& key,
+                std::vector<std::string>& path) {
+  if (path.size() > 8 || entries_.size() > 2000) return;
+  const bool matrix = node.find("data") != nullptr;
+  if (node.kind == DocumentNode::Kind::map && !matrix) {
+    for (const auto& [name, inner] : node.entries) step(inner, file, key, name, path);
+    return;
+  }
+  const bool maps = node.kind == DocumentNode::Kind::list && !node.items.empty() &&
+                    node.items.front().kind == DocumentNode::Kind::map;
+  if (maps) {
+    for (std::size_t i = 0; i < node.items.size() && i < 10; ++i) {
+      step(node.items[i], file, key, std::to_string(i), path);
+    }
+    return;
+  }
+  if (!path.empty()) leaf(node, file, key, path);
+}
+
+void Keys::step(const DocumentNode& inner, const std::string& file, const std::string& key, const std::string& name,
+                std::vector<std::string>& path) {
+  const std::size_t depth = path.size();
+  for (std::size_t at = 0; at <= name.size();) {  // "LEFT.K" is "K" in "LEFT"
+    const std::size_t dot = std::min(name.find('.', at), name.size());
+    path.push_back(name.substr(at, dot - at));
+    at = dot + 1;
+  }
+  walk(inner, file, key.empty() ? name : key + "." + name, path);
+  path.resize(depth);
+}
+
+void Keys::leaf(const DocumentNode& node, const std::string& file, const std::string& key,
+                const std::vector<std::string>& path) {
+  KeyEntry entry;
+  entry.key = key;
+  const std::string shown = printable(key.substr(0, 64));
+  entry.where = node.line > 0 ? fmt::format("{}:{} ({})", file, node.line, shown) : fmt::format("{} ({})", file, shown);
+  const Result<std::vector<double>> numbers = numbers_of(node, entry.where);
+  if (numbers) {
+    entry.numbers = *numbers;
+    entry.meaning = meaning_of(path, entry.numbers.size());
+    if (entry.numbers.empty() && node.kind != DocumentNode::Kind::scalar) {
+      entry.meaning = meaning_of(path, 5);  // no distortion terms are none, not a word
+      if (entry.meaning.quantity != Quantity::distortion) return;
+    }
+  } else {
+    if (node.kind == DocumentNode::Kind::scalar) {
+      entry.word = node.scalar;
+      entry.meaning = meaning_of(path, 0);
+    }
+    if (entry.meaning.quantity == Quantity::none) {
+      // A matrix or number that is broken must not be passed over.
+      for (const std::size_t count : {std::size_t{9}, std::size_t{12}, std::size_t{3}, std::size_t{1}}) {
+        if (count == 1 && node.kind != DocumentNode::Kind::scalar) continue;
+        entry.meaning = meaning_of(path, count);
+        if (entry.meaning.quantity != Quantity::none) break;
+      }
+      entry.error = numbers.error();
+    }
+  }
+  if (entry.meaning.quantity != Quantity::none) entries_.push_back(std::move(entry));
+}
+
+// Which eye a camera's number is: the smaller of two is the left one's; a single one beside none is the right one's.
+void Keys::settle_numbers() {
+  std::set<int> numbers;
+  bool plain = false;
+  for (const KeyEntry& entry : entries_) {
+    const KeyMeaning& m = entry.meaning;
+    if (m.quantity != Quantity::camera_matrix && m.quantity != Quantity::fx && m.quantity != Quantity::projection &&
+        m.quantity != Quantity::focal) {
+      continue;
+    }
+    if (m.side == KeySide::none && m.number) numbers.insert(*m.number);
+    plain = plain || (m.side == KeySide::none && !m.number);
+  }
+  if (numbers.empty()) {
+    for (const KeyEntry& entry : entries_) {  // an extrinsics file alone: R1, R2
+      if (entry.meaning.side == KeySide::none && entry.meaning.number) numbers.insert(*entry.meaning.number);
+    }
+  }
+  std::optional<int> left, right;
+  if (numbers.size() >= 2) {
+    left = *numbers.begin();
+    right = *std::next(numbers.begin());
+  } else if (numbers.size() == 1) {
+    (plain && *numbers.begin() == 2 ? right : left) = *numbers.begin();
+    if (left && *left < 2) right = *left + 1;
+  }
+  const bool plain_is_left = plain && right && !left;
+  for (KeyEntry& entry : entries_) {
+    KeyMeaning& m = entry.meaning;
+    if (m.side != KeySide::none) continue;
+    if (m.number && left && *m.number == *left) m.side = KeySide::left;
+    if (m.number && right && *m.number == *right) m.side = KeySide::right;
+    if (m.number && m.side == KeySide::none) m.quantity = Quantity::none;  // another camera's
+    if (!m.number && plain_is_left && is_of_a_camera(m.quantity)) m.side = KeySide::left;
+  }
+}
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The keys of a calibration file (or of two that belong together) by what they mean.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "drivers/calibration/document.h"
+#include "drivers/calibration/key_names.h"
+
+namespace cliquevo::drivers {
+
+struct KeyEntry {
+  std::string key;  // as in the file, with dots
+  std::string where;
+  KeyMeaning meaning;
+  std::vector<double> numbers;
+  std::string word;
+  std::optional<Error> error;  // of its numbers
+};
+
+class Keys {
+ public:
+  explicit Keys(const Document& document) { add(document); }
+
+  void add(const Document& document);
+  // The one of an eye; without eye where `side` is none; nullptr = there is none. An Error where two differ.
+  Result<const KeyEntry*> find(Quantity quantity, KeySide side, int index = 0) const;
+  // All words that name a lens, for an eye or for both.
+  std::vector<const KeyEntry*> lenses(KeySide side) const;
+  bool has(Quantity quantity, KeySide side) const;
+  bool has(Quantity quantity) const;
+
+ private:
+  void walk(const DocumentNode& node, const std::string& file, const std::string& key, std::vector<std::string>& path);
+  void step(const DocumentNode& inner, const std::string& file, const std::string& key, const std::string& name,
+            std::vector<std::string>& path);
+  void leaf(const DocumentNode& node, const std::string& file, const std::string& key,
+            const std::vector<std::string>& path);
+  void settle_numbers();
+
+  std::vector<KeyEntry> entries_;
+};
+
+}  // namespace cliquevo::drivers

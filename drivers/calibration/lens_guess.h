@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Four distortion terms without a name are OpenCV's k1 k2 p1 p2, or k1 k2 k3 k4 of its fisheye module. What the numbers
+// tell; where they do not, the images (examine.h) or the user must.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/camera_model.h"
+#include "core/base/result.h"
+
+namespace cliquevo::drivers {
+
+struct LensGuess {
+  std::string lens;  // plumb_bob, equidistant; empty = the numbers fit both
+  std::string note;  // to tell, where it is not the plain reading
+};
+
+LensGuess guess_lens(const CameraCalibration& left, const std::vector<double>& D_left, const CameraCalibration& right,
+                     const std::vector<double>& D_right);
+
+// The question that is left.
+Error lens_question(const std::string& where);
+
+}  // namespace cliquevo::drivers

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// ROS: camera_info of each eye as YAML, or the text that its calibrator prints (ost.txt).
+#include <fmt/format.h>
+
+#include "drivers/calibration/eye_parts.h"
+#include "drivers/calibration/formats.h"
+
+namespace cliquevo::drivers {
+
+namespace {
+
+Result<EyeParts> read_info(const Document& yaml) {
+  EyeParts eye;
+  eye.where = yaml.path();
+  const auto required = [&](std::initializer_list<const char*> names, const char* name) {
+    const std::string key = yaml.first_of(names);
+    return key.empty() ? std::string(name) : key;
+  };
+  const std::string k = required({"camera_matrix", "K", "k"}, "camera_matrix");
+  const Result<std::vector<double>> K = yaml.numbers(k, 9);
+  if (!K) return K.error();
+  if (const auto ok = put_camera_matrix(*K, yaml.where(k), eye); !ok) return ok.error();
+  const std::string d =
+      required({"distortion_coefficients", "distortion_coefficents", "D", "d"}, "distortion_coefficients");
+  const Result<std::vector<double>> D = yaml.numbers(d);
+  if (!D) return D.error();
+  eye.D = *D;
+  eye.D_where = yaml.where(d);
+  eye.lens = yaml.word("distortion_model");
+  if (eye.lens.empty() && D->size() == 4) eye.lens = "plumb_bob";  // ROS' own default
+  if (const std::string r = yaml.first_of({"rectification_matrix", "R", "r"}); !r.empty()) {
+    const Result<std::vector<double>> R = yaml.numbers(r, 9);
+    if (!R) return R.error();
+    if (const auto ok = put_rectification(*R, yaml.where(r), eye); !ok) return ok.error();
+  } else {
+    eye.R = Eigen::Matrix3d::Identity();
+  }
+  const Result<std::vector<double>> P =
+      yaml.numbers(required({"projection_matrix", "P", "p"}, "projection_matrix"), 12);
+  if (!P) return P.error();
+  eye.P = *P;
+  const auto size = yaml.image_size();
+  if (!size) return size.error();
+  if (*size) {
+    eye.camera.width = (*size)->first;
+    eye.camera.height = (*size)->second;
+  }
+  return eye;
+}
+
+Result<StereoCalibration> read_pair(const Document& left, const Document& right, const CalibrationRequest& request) {
+  const Result<EyeParts> l = read_info(left);
+  if (!l) return l.error();
+  const Result<EyeParts> r = read_info(right);
+  if (!r) return r.error();
+  std::optional<Eigen::Vector3d> T;
+  if (right.has("T")) {
+    const Result<std::vector<double>> t = right.numbers("T", 3);
+    if (!t) return t.error();
+    T = Eigen::Vector3d((*t)[0], (*t)[1], (*t)[2]);
+  }
+  return rig_of_projections(*l, *r, T, request);
+}
+
+// ost.txt: words on a line of their own are a key, the numbers below them its value; [name/left] begins an eye.
+// One map of keys a camera.
+std::vector<Document> ost_eyes(std::string_view text, const std::string& path) {
+  std::vector<Document> eyes;
+  DocumentNode eye;
+  eye.kind = DocumentNode::Kind::map;
+  const auto finish = [&] {
+    if (eye.find("camera_matrix") != nullptr) eyes.push_back(Document::of(eye, path));
+    eye.entries.clear();
+  };
+  for (const TextLine& line : split_lines(text)) {
+    if (line.text.front() == '[') {
+      // A new camera's part begins at [image], or at the second section with matrices.
+      if (line.text == "[image]" || eye.find("camera_matrix") != nullptr) {
+        const DocumentNode* width = eye.find("width");
+        const DocumentNode* height = eye.find("height");
+        std::vector<DocumentEntry> size;
+        if (width != nullptr && height != nullptr) size = {{"width", *width}, {"height", *height}};
+        finish();
+        if (line.text != "[image]") eye.entries = std::move(size);
+      }
+      continue;
+    }
+    const bool number = line.text.front() == '-' || line.text.front() == '+' || line.text.front() == '.' ||
+                        (line.text.front() >= '0' && line.text.front() <= '9');
+    if (!number && line.text.substr(0, 3) != "nan" && line.text.substr(0, 3) != "inf") {
+      std::string key(line.text.substr(0, 64));
+      for (char& c : key) c = c == ' ' ? '_' : c;
+      DocumentNode value;
+      value.kind = DocumentNode::Kind::scalar;
+      value.line = line.number;
+      if (eye.entries.size() < 100) eye.entries.push_back({std::move(key), std::move(value)});
+      continue;
+    }
+    if (eye.entries.empty()) continue;
+    std::string& value = eye.entries.back().node.scalar;
+    if (value.size() > 10000) continue;
+    value += ' ';
+    value += line.text;
+  }
+  finish();
+  return eyes;
+}
+
+// The keys of ost.txt by their names in YAML.
+Document as_camera_info(const Document& eye) {
+  DocumentNode root = eye.root();
+  for (auto& [key, node] : root.entries) {
+    if (key == "distortion") key = "distortion_coefficients";
+    if (key == "rectification") key = "rectification_matrix";
+    if (key == "projection") key = "projection_matrix";
+  }
+  return Document::of(std::move(root), eye.path());
+}
+
+}  // namespace
+
+bool is_ros(const CalibrationText& file) {
+  return file.document && !file.document->first_of({"camera_matrix", "K", "k"}).empty() &&
+         !file.document->first_of({"projection_matrix", "P", "p"}).empty();
+}
+
+Result<StereoCalibration> read_ros(const CalibrationText& file, const CalibrationRequest& request,
+                                   const OtherFile& other) {
+  const Result<Document> second = read_other(other, other_eye_paths(file.path));
+  if (!second) return second.error();
+  const bool swapped = is_right_eye(file.path);
+  return read_pair(swapped ? *second : *file.document, swapped ? *file.document : *second, request);
+}
+
+bool is_ost(const CalibrationText& file) {
+  bool matrix = false;
+  for (const TextLine& line : file.lines) {
+    matrix = matrix || line.text == "camera matrix";
+    if (matrix && line.text == "projection") return true;
+  }
+  return false;
+}
+
+Result<StereoCalibration> read_ost(const CalibrationText& file, const CalibrationRequest& request,
+                                   const OtherFile& other) {
+  std::vector<Document> eyes = ost_eyes(file.text, file.path);
+  if (eyes.size() == 1) {
+    const Result<NamedText> second = other(other_eye_paths(file.path));
+    if (!second) return second.error();
+    std::vector<Document> more = ost_eyes(second->text, second->path);
+    if (more.empty()) return Error{"calibration lacks a camera matrix", second->path, "copy it again"};
+    eyes.insert(is_right_eye(file.path) ? eyes.begin() : eyes.end(), more.front());
+  }
+  if (eyes.size() != 2) {
+    return Error{fmt::format("calibration is of {} cameras instead of 2", eyes.size()), file.path,
+                 "name the text of both eyes, or of one with that of the other beside it"};
+  }
+  // The first is the left eye's unless its projection says that it is the right one's.
+  Document left = as_camera_info(eyes[0]);
+  Document right = as_camera_info(eyes[1]);
+  const auto P_left = left.numbers("projection_matrix", 12);
+  const auto P_right = right.numbers("projection_matrix", 12);
+  if (P_left && P_right && (*P_left)[3] < 0.0 && (*P_right)[3] == 0.0) std::swap(left, right);
+  return read_pair(left, right, request);
+}
+
+}  // namespace cliquevo::drivers
