@@ -148,15 +148,16 @@ TEST(BadInput, ACalibrationThatIsMissingOrNone) {
   expect_refused({"replay", recording, "--calibration", "/nowhere/calib.txt"}, 1, "/nowhere/calib.txt");
 }
 
+// One of another shape: a mere change of resolution is scaled, and said.
 TEST(BadInput, ACalibrationOfAnotherSize) {
   const std::string calibration =
       file_with("camchain.yaml",
-                "cam0:\n  camera_model: pinhole\n  intrinsics: [350, 350, 320, 240]\n  distortion_model: radtan\n"
-                "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [640, 480]\n"
-                "cam1:\n  camera_model: pinhole\n  intrinsics: [350, 350, 320, 240]\n  distortion_model: radtan\n"
-                "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [640, 480]\n"
+                "cam0:\n  camera_model: pinhole\n  intrinsics: [350, 350, 320, 200]\n  distortion_model: radtan\n"
+                "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [640, 400]\n"
+                "cam1:\n  camera_model: pinhole\n  intrinsics: [350, 350, 320, 200]\n  distortion_model: radtan\n"
+                "  distortion_coeffs: [0, 0, 0, 0]\n  resolution: [640, 400]\n"
                 "  T_cn_cnm1: [[1, 0, 0, -0.12], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]]\n");
-  expect_refused({"replay", made_recording(), "--calibration", calibration}, 1, "640x480");
+  expect_refused({"replay", made_recording(), "--calibration", calibration}, 1, "640x400");
 }
 
 TEST(BadInput, ASingularCalibration) {
