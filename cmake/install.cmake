@@ -38,8 +38,9 @@ install(FILES ${PROJECT_BINARY_DIR}/cliquevo-config.cmake ${PROJECT_BINARY_DIR}/
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/cliquevo)
 foreach(header
     core/base/camera_model.h core/base/image.h core/base/isa.h core/base/result.h core/base/rigid_transform.h
-    core/base/time.h core/vo/movers.h core/vo/self_check.h core/vo/visual_odometry.h core/vo/vo_params.h
-    stereo/dense_stereo.h stereo/rectify.h stereo/stereo_params.h)
+    core/base/time.h core/vo/evidence.h core/vo/movers.h core/vo/self_check.h core/vo/step_times.h core/vo/verdict.h
+    core/vo/visual_odometry.h core/vo/vo_params.h
+    stereo/dense_stereo.h stereo/rectify.h stereo/rectify_params.h stereo/stereo_params.h)
   get_filename_component(folder ${header} DIRECTORY)
   install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cliquevo/${folder})
 endforeach()

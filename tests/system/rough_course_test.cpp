@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Short simulated courses seen by each rough camera, and long ones under the label bench.
+#include <ostream>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -23,6 +25,7 @@ struct Camera {
   const char* name;
   double most_failed;  // share of the frames
   double segments_pct;
+  friend std::ostream& operator<<(std::ostream& out, const Camera& camera) { return out << camera.name; }
 };
 // A rolling shutter, which the odometry does not model, costs the webcam its accuracy.
 constexpr Camera kCameras[] = {
