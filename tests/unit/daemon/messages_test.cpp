@@ -192,6 +192,26 @@ TEST(Messages, AnAmbiguousFrameIsDegenerateToReadersOfTheOldType) {
   EXPECT_EQ(sent.status.status, status_t::AMBIGUOUS);
 }
 
+TEST(Messages, TheStatusSaysWhyAFrameFailed) {
+  MessageBuilder builder({});
+  FrameMessages sent;
+  builder.build(frame_at(0, vo::Status::no_data, {}), 0, sent);
+  PublishedFrame frame = frame_at(1, vo::Status::weak, {});
+  frame.estimate.checks[vo::Check::inliers] = {0.1, 1.0, true};
+  frame.estimate.checks[vo::Check::uncertainty] = {3.0, 1.5, true};
+  frame.estimate.checks[vo::Check::spread] = {std::nan(""), 1.0, true};
+  frame.estimate.quality = 20;
+  builder.build(frame, 0, sent);
+  EXPECT_EQ(sent.status.status, status_t::WEAK);
+  EXPECT_EQ(sent.delta.estimate_status, update_t::ESTIMATE_DEGENERATE) << "readers of fovis' type know 0 to 4";
+  EXPECT_EQ(sent.status.quality, 20);
+  ASSERT_EQ(sent.status.n_checks, static_cast<int>(vo::kChecks));
+  EXPECT_EQ(sent.status.check_ratio[status_t::CHECK_INLIERS], 0.1);
+  EXPECT_EQ(sent.status.check_ratio[status_t::CHECK_UNCERTAINTY], 2.0);
+  EXPECT_TRUE(std::isfinite(sent.status.check_ratio[status_t::CHECK_SPREAD]));
+  EXPECT_EQ(sent.status.checks_failed, 1 << status_t::CHECK_UNCERTAINTY | 1 << status_t::CHECK_SPREAD);
+}
+
 TEST(Messages, TheMotionAfterAGapStartsAtTheLastValidFrame) {
   MessageBuilder builder(forward_camera());
   FrameMessages sent;
