@@ -9,8 +9,10 @@ namespace cliquevo::vo {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSmooth_s = 0.2;     // over which velocity is averaged: noise and gait go, turns stay
-constexpr double kFade_s = 3.0;       // in which an unconfirmed velocity falls to 1/e
+constexpr double kSmooth_s = 0.2;  // over which velocity is averaged: noise and gait go, turns stay
+// In which an unconfirmed velocity falls to 1/e: vehicles keep their speed for longer than their turns.
+constexpr double kFadeSpeed_s = 20.0;
+constexpr double kFadeTurn_s = 3.0;
 constexpr double kSpeed_m_s = 5.0;    // of a vehicle of which nothing is known yet
 constexpr double kTurn_rad_s = 0.25;  // what a vehicle that drove straight may do next
 constexpr double kLeastMoved_m = 0.05;
@@ -48,9 +50,9 @@ RigidTransform DeadReckoning::guess(TimestampNs elapsed_ns, TimestampNs since_va
   const double elapsed_s = static_cast<double>(elapsed_ns) * 1e-9;
   RigidTransform step;
   if (params_.after_failure == AfterFailure::constant_velocity && interval_ns_ > 0) {
-    const double faded = elapsed_s * std::exp(-static_cast<double>(since_valid_ns) * 1e-9 / kFade_s);
-    step.t = faded * twist_.head<3>();
-    step.R = so3_exp(faded * twist_.tail<3>());
+    const double since_valid_s = static_cast<double>(since_valid_ns) * 1e-9;
+    step.t = elapsed_s * std::exp(-since_valid_s / kFadeSpeed_s) * twist_.head<3>();
+    step.R = so3_exp(elapsed_s * std::exp(-since_valid_s / kFadeTurn_s) * twist_.tail<3>());
   }
   // As uncertain as if the vehicle had stopped, or gone twice as fast, or begun to turn.
   const double unknown = interval_ns_ > 0 ? elapsed_s * twist_.head<3>().norm() : kSpeed_m_s * elapsed_s;

@@ -94,8 +94,9 @@ TEST(DeadReckoning, FadesWhileNothingConfirmsIt) {
   Vector6d variance;
   const RigidTransform soon = reckoning.guess(33'333'333, 33'333'333, variance);
   const RigidTransform late = reckoning.guess(33'333'333, 9'000'000'000, variance);
-  EXPECT_NEAR(late.t.z() / soon.t.z(), std::exp(-(9.0 - 0.033) / 3.0), 0.01);
-  EXPECT_NEAR(late.angle() / soon.angle(), late.t.z() / soon.t.z(), 1e-6);
+  EXPECT_NEAR(late.t.z() / soon.t.z(), std::exp(-(9.0 - 0.033) / 20.0), 0.01);
+  EXPECT_NEAR(late.angle() / soon.angle(), std::exp(-(9.0 - 0.033) / 3.0), 0.01)
+      << "turns end sooner than driving does";
 }
 
 TEST(DeadReckoning, HoldsWhereThatIsAskedFor) {
