@@ -13,7 +13,8 @@ using Bytes = std::vector<std::uint8_t>;
 enum class GvspKind : std::uint8_t { leader = 1, trailer = 2, payload = 3, all_in = 4, h264 = 5, multipart = 7 };
 
 inline void put_big_endian(Bytes& to, std::uint64_t value, int bytes) {
-  for (int i = bytes - 1; i >= 0; --i) to.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+  for (int i = bytes - 1; i >= 0; --i)
+    to.push_back(i < 8 ? static_cast<std::uint8_t>(value >> (8 * i)) : std::uint8_t{0});
 }
 
 // extended: 64-bit frame numbers and 32-bit packet numbers.

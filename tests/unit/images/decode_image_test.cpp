@@ -22,7 +22,7 @@ GreyPicture decoded(Bytes file) {
 
 TEST(DecodeNetpbm, BinaryAndTextWithComments) {
   const GreyPicture binary =
-      decoded(test::bytes_of(std::string("P5 # a comment\n3 # another\n2\n255\n\x01\x02\x03\x04\x05\xff", 43)));
+      decoded(test::bytes_of(std::string("P5 # a comment\n3 # another\n2\n255\n\x01\x02\x03\x04\x05\xff")));
   ASSERT_EQ(binary.width(), 3);
   ASSERT_EQ(binary.height(), 2);
   EXPECT_EQ(binary.bytes.cview()(2, 0), 3);

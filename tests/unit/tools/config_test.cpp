@@ -42,7 +42,9 @@ std::string setting(const std::string& key, const std::string& value) {
 // How many fields an aggregate has: the longest list of anything that initialises it.
 struct Anything {
   template <typename T>
-  operator T() const;  // NOLINT(google-explicit-constructor)
+  operator T() const {  // NOLINT(google-explicit-constructor)
+    return T{};
+  }
 };
 template <typename T, typename... Fields>
 constexpr std::size_t count_fields() {
