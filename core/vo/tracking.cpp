@@ -48,6 +48,7 @@ Warp slanted(const Feature& f) {
 
 // Eight pixels of a row of disparities.
 using Words = std::int16_t __attribute__((vector_size(16)));
+using UnsignedWords = std::uint16_t __attribute__((vector_size(16)));
 
 // Sums over one column each of the window: how many belong to the surface, their disparities less the feature's (px *
 // 16), both also times their row.
@@ -57,7 +58,8 @@ struct ColumnSums {
     constexpr auto kBand = static_cast<std::int16_t>(kSlantBand * kDisparityScale);
     Words raw;
     std::memcpy(&raw, row, sizeof raw);
-    const Words off = raw - centre;  // an unknown disparity wraps to something far
+    // An unknown disparity wraps to something far.
+    const auto off = reinterpret_cast<Words>(reinterpret_cast<UnsignedWords>(raw) - static_cast<std::uint16_t>(centre));
     const Words belongs = (off <= kBand) & (off >= static_cast<std::int16_t>(-kBand));
     const Words known = off & belongs;
     n -= belongs;
