@@ -19,6 +19,7 @@ constexpr int kLeastPilots = 30;
 constexpr double kEnough = 1.15;       // of max_features: so many observations of two references tell what more would
 constexpr double kFullCoverage = 0.5;  // of the picture's cells: inliers from so many are inliers from everywhere
 constexpr std::size_t kMostOthers = 8;
+constexpr double kManyContradict = 0.25;  // of the check's bound
 
 // Of two attempts, the one to go by: a valid one, else the one that found more.
 bool better(const Comparison& a, const Comparison& b) {
@@ -250,10 +251,16 @@ void Estimator::judge(const FramePair& pair, Comparison& out) {
     out.checks[Check::hanging_camera] = check_hanging_camera(before, pair.noise, scratch_);
     out.checks[Check::running_ground] = check_running_ground(before, pair.noise, pair.caution, params_, scratch_);
     const ViewErrors errors{pair.check, out.motion.shift_px, pair.noise.row_shift_px(pair.current)};
-    const CellVotes votes =
-        support_.count(pair.reference, pair.current, pair.disparity, out.motion.T_prev_cur, errors, observations_);
-    covered_ = std::min(1.0, votes.coverage() / kFullCoverage);
-    out.checks[Check::contradiction] = check_contradiction(votes, pair.caution, params_);
+    const auto count = [&](Support::Contradicts which) {
+      const CellVotes votes = support_.count(pair.reference, pair.current, pair.disparity, out.motion.T_prev_cur,
+                                             errors, observations_, which);
+      out.checks[Check::contradiction] = check_contradiction(votes, pair.caution, params_);
+      return votes.coverage();
+    };
+    // Whether patches are unique takes a while to find out, and matters where many contradict.
+    double coverage = count(Support::Contradicts::any);
+    if (out.checks[Check::contradiction].ratio() > kManyContradict) coverage = count(Support::Contradicts::unique);
+    covered_ = std::min(1.0, coverage / kFullCoverage);
   }
   const Findings found = findings(pair, out);
   out.checks[Check::disparities] = check_disparities(found, pair.noise, params_);

@@ -34,13 +34,6 @@ class ReferenceFrames {
   // new_key: and the kept one.
   void accept(Frame* current, const Matrix6d& covariance, bool new_key);
   void refuse(Frame* current) { failed_ = current; }
-  // All frames in use, for what concerns each of them.
-  template <typename F>
-  void for_each(F&& f) const {
-    for (const auto& frame : frames_) {
-      if (in_use(frame.get())) f(*frame);
-    }
-  }
 
  private:
   bool in_use(const Frame* frame) const;

@@ -94,7 +94,7 @@ void Support::choose_witnesses(ImageView<const std::int16_t> disparity, Frame& f
 
 Support::Vote Support::test_patch(const Feature& f, const Frame& reference, const Frame& current,
                                   ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref,
-                                  const ViewErrors& errors) const {
+                                  const ViewErrors& errors, Contradicts which) const {
   const double d = f.raw_disparity_px - errors.check.disparity_error_px(f.x, f.y) - reference.shift_px;
   if (d + model_.doffs_px < kMinDisparity_px) return Vote::none;
   SurfacePatch expected;
@@ -130,6 +130,7 @@ Support::Vote Support::test_patch(const Feature& f, const Frame& reference, cons
   if (both.correlation < kSeenByBoth) return Vote::none;
   if (moved.correlation > kAlike * both.correlation) return Vote::agrees;
   if (moved.correlation >= kUnlike * both.correlation) return Vote::none;
+  if (which == Contradicts::any) return Vote::contradicts;
   const bool unique = !repeated(t, f, reference, kRepeated * both.correlation, expected.u - f.x, expected.v - f.y);
   return unique ? Vote::contradicts : Vote::none;
 }
@@ -158,7 +159,7 @@ bool Support::repeated(const Template& t, const Feature& f, const Frame& referen
 
 CellVotes Support::count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,
                          const RigidTransform& T_ref_cur, const ViewErrors& errors,
-                         const std::vector<Observation>& observations) {
+                         const std::vector<Observation>& observations, Contradicts which) {
   std::fill(votes_.begin(), votes_.end(), Vote::none);
   for (const Observation& o : observations) {
     if (o.reference != 0 || !o.inlier) continue;
@@ -173,7 +174,7 @@ CellVotes Support::count(const Frame& reference, const Frame& current, ImageView
     for (const Feature& w : witnesses) {
       const std::size_t cell = cell_of(w.x, w.y);
       if (votes_[cell] == Vote::agrees || asked_[cell] >= kAsked) continue;
-      const Vote vote = test_patch(w, reference, current, disparity, T_cur_ref, errors);
+      const Vote vote = test_patch(w, reference, current, disparity, T_cur_ref, errors, which);
       if (vote == Vote::none) continue;
       ++asked_[cell];
       votes_[cell] = std::max(votes_[cell], vote);

@@ -31,16 +31,18 @@ class Support {
 
   // The best textured place of known depth in each cell that has no feature.
   void choose_witnesses(ImageView<const std::int16_t> disparity, Frame& frame);
-  // `observations`: of the reference (index 0), judged. `disparity`: of the current frame.
+  // `observations`: of the reference (index 0), judged. `disparity`: of the current frame. Every patch that is not
+  // found contradicts, also one of a repeated pattern, or (slower) unique ones alone.
+  enum class Contradicts : std::uint8_t { any, unique };
   CellVotes count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,
                   const RigidTransform& T_ref_cur, const ViewErrors& errors,
-                  const std::vector<Observation>& observations);
+                  const std::vector<Observation>& observations, Contradicts which);
 
  private:
   enum class Vote : std::uint8_t { none, contradicts, agrees };
   Vote test_patch(const Feature& place, const Frame& reference, const Frame& current,
-                  ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref,
-                  const ViewErrors& errors) const;
+                  ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref, const ViewErrors& errors,
+                  Contradicts which) const;
   bool repeated(const Template& patch, const Feature& place, const Frame& reference, float correlation, double du,
                 double dv) const;
   std::size_t cell_of(int x, int y) const {

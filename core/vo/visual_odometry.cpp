@@ -105,7 +105,6 @@ void VisualOdometry::Impl::begin() {
 // Every further frame.
 void VisualOdometry::Impl::follow(const FrameInput& input) {
   estimate.prev_stamp_ns = frames.valid()->stamp_ns;
-  if (params.refine) frames.for_each([this](Frame& frame) { tracker.compensate(self_check, frame); });
   const auto [comparison, reference] = compare(input);
   const bool valid = comparison.status == Status::valid;
   caution.next(valid);
@@ -127,11 +126,18 @@ void VisualOdometry::Impl::follow(const FrameInput& input) {
 // in a gap also with frames of the way, one of the older ones at a time: where views overlap, a gap ends with the true
 // motion across it.
 std::pair<Comparison, const Frame*> VisualOdometry::Impl::compare(const FrameInput& input) {
+  // What has been learned of the calibration since a frame was taken goes into its points.
+  const auto up_to_date = [this](Frame* frame) {
+    if (params.refine) tracker.compensate(self_check, *frame);
+  };
   const Frame* reference = frames.valid();
+  up_to_date(frames.valid());
+  if (frames.key() != frames.valid()) up_to_date(frames.key());
   Comparison found = compare_with(*reference, frames.key(), input);
   if (found.status == Status::valid || frames.failed() == nullptr) return {found, reference};
-  const auto attempt = [&](const Frame* frame) {
+  const auto attempt = [&](Frame* frame) {
     if (frame == nullptr || frame == frames.valid() || found.status == Status::valid) return;
+    if (frame != frames.key()) up_to_date(frame);
     reference = frame;
     found = compare_with(*frame, nullptr, input);
   };

@@ -129,9 +129,11 @@ void sad_row_of(const std::uint8_t* descriptor, const std::uint8_t* others, int 
                 std::uint16_t* scores) {
   constexpr int kMost = kDescriptorStride / V::kBytes;
   const int blocks = (length + V::kBytes - 1) / V::kBytes;
-  if (blocks * V::kBytes <= 32) return sad_row_in_blocks<V, 32 / V::kBytes>(descriptor, others, count, scores);
-  if (blocks * V::kBytes <= 48)
-    return sad_row_in_blocks<V, (48 + V::kBytes - 1) / V::kBytes>(descriptor, others, count, scores);
+  if constexpr (V::kBytes <= 32) {
+    if (blocks * V::kBytes <= 32) return sad_row_in_blocks<V, 32 / V::kBytes>(descriptor, others, count, scores);
+    if (blocks * V::kBytes <= 48)
+      return sad_row_in_blocks<V, (48 + V::kBytes - 1) / V::kBytes>(descriptor, others, count, scores);
+  }
   if (blocks * V::kBytes <= 64) return sad_row_in_blocks<V, 64 / V::kBytes>(descriptor, others, count, scores);
   sad_row_in_blocks<V, kMost>(descriptor, others, count, scores);
 }

@@ -130,7 +130,7 @@ struct Kernels {
   int (*maxima_row)(const std::uint8_t* above, const std::uint8_t* row, const std::uint8_t* below, int x0, int x1,
                     std::int16_t* columns);
   // Step A2': sums of absolute differences between one descriptor and `count` others, kDescriptorStride bytes apart;
-  // `length` bytes each, rounded up to a multiple of 32 (the rest is 0).
+  // `length` bytes each, rounded up to a multiple of 64 (the rest is 0).
   void (*sad_row)(const std::uint8_t* descriptor, const std::uint8_t* others, int count, int length,
                   std::uint16_t* scores);
   // Step A3: the first of the least of `count` > 0 scores of this row; each column's least score and the first row that

@@ -98,7 +98,7 @@ template <class V>
 struct OneWay {
   V e[3], j[3], we[3], wj[3];  // residual; its change with the other frame's disparity; both weighted
   V a, ax, b, by, c;           // the projection's Jacobian
-  V s;                         // W = diag(w) - s (w j)(w j)^T
+  V jwj, s;                    // W = diag(w) - s (w j)(w j)^T
   V squared;                   // e^T W e
 };
 
@@ -124,16 +124,16 @@ template <class V>
   const V wp = all<V>(c.weight_px);
   const V wd = all<V>(c.weight_d);
   const V w[3] = {wp, wp, wd};
-  V jwj = zero;
+  o.jwj = zero;
   V jwe = zero;
   for (int i = 0; i < 3; ++i) {
     o.wj[i] = w[i] * o.j[i];
     o.we[i] = w[i] * o.e[i];
-    jwj = jwj + o.j[i] * o.wj[i];
+    o.jwj = o.jwj + o.j[i] * o.wj[i];
     jwe = jwe + o.j[i] * o.we[i];
   }
   const V variance = all<V>(c.variance_d);
-  o.s = variance / (all<V>(1.0) + variance * jwj);
+  o.s = variance / (all<V>(1.0) + variance * o.jwj);
   o.squared = zero;
   const V sjwe = o.s * jwe;
   for (int i = 0; i < 3; ++i) {
@@ -143,27 +143,20 @@ template <class V>
 }
 
 // One way's sums, of a perturbation (r, w) of the projected point y: dy = r + w x y. H: upper triangle, row by row.
-// h: with the error common to all disparities; s: with that of the current frame's.
+// The errors of the disparities enter in two places: the observed disparity's directly (e3 = (0, 0, 1)), and the
+// projected point's through its Jacobian j. Every sum that the solver wants is one of these two or their difference.
 template <class V>
 struct WaySums {
-  V H[21], g[6], h[6], s[6];
+  V H[21], g[6];
+  V direct[6], through[6];  // A^T W e3, A^T W j
+  V dd, dj, jj;             // e3^T W e3, e3^T W j, j^T W j
+  V de, je;                 // e3^T W e, j^T W e
   WaySums() {
     for (V& v : H) v = all<V>(0.0);
-    for (V& v : g) v = all<V>(0.0);
-    for (V& v : h) v = all<V>(0.0);
-    for (V& v : s) v = all<V>(0.0);
+    for (int i = 0; i < 6; ++i) g[i] = direct[i] = through[i] = all<V>(0.0);
+    dd = dj = jj = de = je = all<V>(0.0);
   }
 };
-
-// Both ways' sums of the two errors of the disparities.
-template <class V>
-struct ErrorSums {
-  V hh = all<V>(0.0), g = all<V>(0.0);   // of all disparities
-  V ss = all<V>(0.0), sg = all<V>(0.0);  // of the current frame's
-  V sh = all<V>(0.0);                    // of both together
-};
-
-enum class Way { to_current, to_reference };
 
 template <class V>
 inline void cross(const V* v, const V* y, V* out) {
@@ -173,56 +166,32 @@ inline void cross(const V* v, const V* y, V* out) {
 }
 
 // Adds weight * (A^T W A, A^T W e) and the same for the disparities' errors; A = J D, where D v = r + w x y.
-template <Way kWay, class V>
+template <class V>
 [[gnu::always_inline]] inline void add_way(const MotionState& c, const OneWay<V>& o, const V* y, V weight,
-                                           WaySums<V>& sums, ErrorSums<V>& errors) {
+                                           WaySums<V>& sums) {
   const V zero = all<V>(0.0);
   const V wp = all<V>(c.weight_px) * weight;
   const V wd = all<V>(c.weight_d) * weight;
   const V s = o.s * weight;
-  const V offset[3] = {zero - o.j[0], zero - o.j[1], all<V>(1.0) - o.j[2]};
-  const V jwa = o.wj[0] * offset[0] + o.wj[1] * offset[1] + o.wj[2] * offset[2];
-  const V sjwa = s * jwa;
-  const V wa[3] = {wp * offset[0] - sjwa * o.wj[0], wp * offset[1] - sjwa * o.wj[1], wd * offset[2] - sjwa * o.wj[2]};
-  errors.hh = errors.hh + (offset[0] * wa[0] + offset[1] * wa[1] + offset[2] * wa[2]);
-  errors.g = errors.g + (o.e[0] * wa[0] + o.e[1] * wa[1] + o.e[2] * wa[2]);
-  // The current frame's disparities are what is observed on the one way, and what is projected on the other.
-  V ws[3];
-  if constexpr (kWay == Way::to_current) {
-    const V swj = s * o.wj[2];
-    ws[0] = zero - swj * o.wj[0], ws[1] = zero - swj * o.wj[1], ws[2] = wd - swj * o.wj[2];
-    errors.ss = errors.ss + ws[2];
-    errors.sg = errors.sg + o.we[2] * weight;
-    errors.sh = errors.sh + wa[2];
-  } else {
-    const V jwj = o.wj[0] * o.j[0] + o.wj[1] * o.j[1] + o.wj[2] * o.j[2];
-    const V sjwj = s * jwj;
-    ws[0] = sjwj * o.wj[0] - wp * o.j[0], ws[1] = sjwj * o.wj[1] - wp * o.j[1], ws[2] = sjwj * o.wj[2] - wd * o.j[2];
-    errors.ss = errors.ss - (o.j[0] * ws[0] + o.j[1] * ws[1] + o.j[2] * ws[2]);
-    errors.sg = errors.sg - (o.j[0] * o.we[0] + o.j[1] * o.we[1] + o.j[2] * o.we[2]) * weight;
-    errors.sh = errors.sh - (o.j[0] * wa[0] + o.j[1] * wa[1] + o.j[2] * wa[2]);
-  }
   // J^T times a vector.
   const auto back = [&](V v0, V v1, V v2, V(&out)[3]) {
     out[0] = o.a * v0;
     out[1] = o.b * v1;
     out[2] = zero - (o.ax * v0 + o.by * v1 + o.c * v2);
   };
-  V q[3], gy[3], hy[3], sy[3], turned[3];
+  V q[3], gy[3], turned[3];
   back(o.wj[0], o.wj[1], o.wj[2], q);
   back(o.we[0] * weight, o.we[1] * weight, o.we[2] * weight, gy);
-  back(wa[0], wa[1], wa[2], hy);
-  back(ws[0], ws[1], ws[2], sy);
   // B = J^T W J
   const V sq[3] = {s * q[0], s * q[1], s * q[2]};
-  const V wa0 = wp * o.a, wb1 = wp * o.b, wax = wp * o.ax, wby = wp * o.by;
+  const V wa0 = wp * o.a, wb1 = wp * o.b, wax = wp * o.ax, wby = wp * o.by, wdc = wd * o.c;
   V B[3][3];
   B[0][0] = wa0 * o.a - sq[0] * q[0];
   B[0][1] = zero - sq[0] * q[1];
   B[0][2] = zero - (wa0 * o.ax + sq[0] * q[2]);
   B[1][1] = wb1 * o.b - sq[1] * q[1];
   B[1][2] = zero - (wb1 * o.by + sq[1] * q[2]);
-  B[2][2] = (wax * o.ax + wby * o.by) + (wd * o.c * o.c - sq[2] * q[2]);
+  B[2][2] = (wax * o.ax + wby * o.by) + (wdc * o.c - sq[2] * q[2]);
   B[1][0] = B[0][1], B[2][0] = B[0][2], B[2][1] = B[1][2];
   // A vector v of the point becomes (v, y x v) of the perturbation.
   V* const H = sums.H;
@@ -239,16 +208,31 @@ template <Way kWay, class V>
   H[18] = H[18] + (y[2] * E[0][1] - y[0] * E[2][1]);
   H[19] = H[19] + (y[2] * E[0][2] - y[0] * E[2][2]);
   H[20] = H[20] + (y[0] * E[1][2] - y[1] * E[0][2]);
-  const auto add = [&](const V* v, V(&to)[6]) {
-    cross(y, v, turned);
-    for (int i = 0; i < 3; ++i) {
-      to[i] = to[i] + v[i];
-      to[3 + i] = to[3 + i] + turned[i];
-    }
-  };
-  add(gy, sums.g);
-  add(hy, sums.h);
-  add(sy, sums.s);
+  cross(y, gy, turned);
+  for (int i = 0; i < 3; ++i) {
+    sums.g[i] = sums.g[i] + gy[i];
+    sums.g[3 + i] = sums.g[3 + i] + turned[i];
+  }
+  // W j is w j shortened; W e3 is (0, 0, wd) less its share along w j.
+  const V shortened = weight - s * o.jwj;
+  const V along = s * o.wj[2];
+  const V across[3] = {wdc * y[1], wdc * y[0], wdc};  // of J^T (0, 0, wd), without signs
+  cross(y, q, turned);
+  for (int i = 0; i < 3; ++i) {
+    sums.through[i] = sums.through[i] + shortened * q[i];
+    sums.through[3 + i] = sums.through[3 + i] + shortened * turned[i];
+  }
+  sums.direct[0] = sums.direct[0] - along * q[0];
+  sums.direct[1] = sums.direct[1] - along * q[1];
+  sums.direct[2] = sums.direct[2] - (across[2] + along * q[2]);
+  sums.direct[3] = sums.direct[3] - (across[0] + along * turned[0]);
+  sums.direct[4] = sums.direct[4] + (across[1] - along * turned[1]);
+  sums.direct[5] = sums.direct[5] - along * turned[2];
+  sums.dd = sums.dd + (wd - along * o.wj[2]);
+  sums.dj = sums.dj + shortened * o.wj[2];
+  sums.jj = sums.jj + shortened * o.jwj;
+  sums.de = sums.de + o.we[2] * weight;
+  sums.je = sums.je + (o.j[0] * o.we[0] + o.j[1] * o.we[1] + o.j[2] * o.we[2]) * weight;
 }
 
 // Adds the sums of a perturbation v to those of u, where v = F u; F is 6 x 6.
@@ -278,21 +262,35 @@ inline void add_transformed(const double (&F)[6][6], const double (&H)[21], cons
   }
 }
 
-template <class V>
+// The common error of all disparities is what is observed less what it moves the projected points by; the current
+// frame's own is observed on the one way, and moves the projected points on the other.
+enum class Way { to_current, to_reference };
+
+template <Way kWay, class V>
 inline void add_sums(const double (&F)[6][6], const WaySums<V>& sums, MotionSums& out) {
   double H[21], g[6], h[6], s[6];
   for (int i = 0; i < 21; ++i) H[i] = sum_lanes(sums.H[i]);
-  for (int i = 0; i < 6; ++i) g[i] = sum_lanes(sums.g[i]);
-  for (int i = 0; i < 6; ++i) h[i] = sum_lanes(sums.h[i]);
-  for (int i = 0; i < 6; ++i) s[i] = sum_lanes(sums.s[i]);
+  for (int i = 0; i < 6; ++i) {
+    g[i] = sum_lanes(sums.g[i]);
+    const double direct = sum_lanes(sums.direct[i]);
+    const double through = sum_lanes(sums.through[i]);
+    h[i] = direct - through;
+    s[i] = kWay == Way::to_current ? direct : -through;
+  }
   add_transformed(F, H, g, h, s, out);
+  const double dd = sum_lanes(sums.dd), dj = sum_lanes(sums.dj), jj = sum_lanes(sums.jj);
+  const double de = sum_lanes(sums.de), je = sum_lanes(sums.je);
+  out.offset_hh += dd - 2.0 * dj + jj;
+  out.offset_g += de - je;
+  out.shift_hh += kWay == Way::to_current ? dd : jj;
+  out.shift_g += kWay == Way::to_current ? de : -je;
+  out.shift_offset += kWay == Way::to_current ? dd - dj : jj - dj;
 }
 
 template <class V>
 void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& out) {
   const V zero = all<V>(0.0);
   WaySums<V> of_cur, of_ref;
-  ErrorSums<V> errors;
   V cost = zero;
   const V shift = all<V>(c.shift);
   const V near = all<V>(c.min_depth);
@@ -337,14 +335,14 @@ void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& 
     const V sigmas = square_root(squared);
     const V weight = half * good * select_less(huber, sigmas, huber / sigmas, one);
     cost = cost + active * select_less(huber, sigmas, huber * (sigmas + sigmas - huber), squared);
-    add_way<Way::to_current>(c, to_cur, y, weight, of_cur, errors);
-    add_way<Way::to_reference>(c, to_ref, z, weight, of_ref, errors);
+    add_way(c, to_cur, y, weight, of_cur);
+    add_way(c, to_ref, z, weight, of_ref);
   }
   // The perturbation (t, w) of T on the right moves y = R^T (q - t') by -t - w x y, and z = M p + m by
   // M t + (M w) x (z - m).
   double F[6][6] = {};
   for (int r = 0; r < 6; ++r) F[r][r] = -1.0;
-  add_sums(F, of_cur, out);
+  add_sums<Way::to_current>(F, of_cur, out);
   for (int r = 0; r < 3; ++r) {
     for (int k = 0; k < 3; ++k) {
       F[r][k] = F[3 + r][3 + k] = c.M[r][k];
@@ -352,12 +350,7 @@ void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& 
       F[r][3 + k] = c.m[(r + 1) % 3] * c.M[(r + 2) % 3][k] - c.m[(r + 2) % 3] * c.M[(r + 1) % 3][k];
     }
   }
-  add_sums(F, of_ref, out);
-  out.offset_hh += sum_lanes(errors.hh);
-  out.offset_g += sum_lanes(errors.g);
-  out.shift_hh += sum_lanes(errors.ss);
-  out.shift_g += sum_lanes(errors.sg);
-  out.shift_offset += sum_lanes(errors.sh);
+  add_sums<Way::to_reference>(F, of_ref, out);
   out.cost += sum_lanes(cost);
 }
 

@@ -9,6 +9,7 @@ extern const Kernels kReferenceKernels;
 #if defined(__x86_64__)
 extern const Kernels kSse4Kernels;
 extern const Kernels kAvx2Kernels;
+extern const Kernels kAvx512Kernels;
 #elif defined(__aarch64__)
 extern const Kernels kNeonKernels;
 #endif

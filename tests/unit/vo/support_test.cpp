@@ -126,8 +126,8 @@ TEST(Support, AFewInliersStandForTheirOwnCellsAlone) {
   Support support(kModel);
   const SelfCheck check(kModel, params);
   support.choose_witnesses(scene.disparity(), frame);
-  const CellVotes votes =
-      support.count(frame, frame, scene.disparity(), RigidTransform{}, ViewErrors{check}, observations);
+  const CellVotes votes = support.count(frame, frame, scene.disparity(), RigidTransform{}, ViewErrors{check},
+                                        observations, Support::Contradicts::unique);
   EXPECT_EQ(votes.inliers, 3);
   EXPECT_GT(votes.agree, 20) << "the rest of the picture agrees";
   EXPECT_NEAR(votes.coverage(), 3.0 / votes.cells, 1e-12) << "and yet the motion rests on three places";
