@@ -160,6 +160,14 @@ double fill_map(const CameraCalibration& camera, const Eigen::Matrix3d& R, const
   return static_cast<double>(filled) / static_cast<double>(map.x.size());
 }
 
+// Of the rectified rows, which may be more or fewer of the scene than the raw ones.
+double readout_s(const StereoCalibration& calibration, const StereoModel& model) {
+  const bool as_given = calibration.rectified && calibration.prescribed;
+  const double raw_height = as_given ? calibration.prescribed->model.height : calibration.left.height;
+  const double raw_focal = as_given ? calibration.prescribed->model.fy_px : calibration.left.fy_px;
+  return calibration.readout_s * (model.height / model.fy_px) / (raw_height / raw_focal);
+}
+
 }  // namespace
 
 struct Rectifier::Impl {
@@ -228,6 +236,7 @@ Result<Rectifier> Rectifier::make(const StereoCalibration& calibration, const Re
   if (!chosen) return chosen.error();
   auto impl = std::make_unique<Impl>();
   impl->model = chosen->model;
+  impl->model.readout_s = readout_s(calibration, chosen->model);
   impl->identity = calibration.rectified && params.native();
   if (!impl->identity) {
     const StereoModel& m = impl->model;

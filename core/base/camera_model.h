@@ -25,6 +25,9 @@ struct StereoModel {
   double cy_px = 0.0;
   double baseline_m = 0.0;
   double doffs_px = 0.0;  // cx_right - cx_left
+  // Rolling shutter: from the exposure of the first row to that of the last; the middle row's is the stamp. 0: all rows
+  // at once.
+  double readout_s = 0.0;
 
   // Names what is wrong: sizes, focal lengths and baseline must be positive and finite, the field of view sane.
   Result<void> check() const;
@@ -82,6 +85,7 @@ struct StereoCalibration {
   CameraCalibration left;
   CameraCalibration right;
   RigidTransform T_right_left;                        // point in the left raw camera -> right raw camera
+  double readout_s = 0.0;                             // rolling shutter, first row to last; 0: all rows at once
   bool rectified = false;                             // images already are: use `prescribed->model`, warp nothing
   std::optional<PrescribedRectification> prescribed;  // when set it is used; a rectification of our own otherwise
   std::string source;                                 // the file it came from, for messages

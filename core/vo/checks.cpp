@@ -72,7 +72,7 @@ Evidence check_running_ground(const Findings& f, const CameraNoise& noise, const
   const double change = median_of_inliers(f.observations, scratch, [](const Observation& o) { return o.change; });
   const double difference =
       median_of_inliers(f.observations, scratch, [](const Observation& o) { return o.difference; });
-  const double excess = (change - difference) / std::max(kLeastDifference, std::min(change, difference));
+  const double excess = (change - difference) / std::max(kLeastDifference, std::min(std::max(change, 0.0), difference));
   const double scatter = f.motion.error_px / noise.expected_error_px();
   return {std::max(0.0, excess) * scatter * news_of_disparities(f.motion, f.shift_sigma_px),
           caution.bound_scale() * params.max_running_ground, true};

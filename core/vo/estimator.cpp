@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/base/time.h"
+#include "core/vo/sharpness.h"
 #include "core/vo/uncertainty.h"
 
 namespace cliquevo::vo {
@@ -19,6 +20,7 @@ constexpr int kLeastPilots = 30;
 constexpr double kEnough = 1.15;       // of max_features: so many observations of two references tell what more would
 constexpr double kFullCoverage = 0.5;  // of the picture's cells: inliers from so many are inliers from everywhere
 constexpr std::size_t kMostOthers = 8;
+constexpr double kMostTurn = 0.001;       // rad during a rolling shutter's readout, by vibration
 constexpr double kManyContradict = 0.25;  // of the check's bound
 
 // Of two attempts, the one to go by: a valid one, else the one that found more.
@@ -100,6 +102,7 @@ void Estimator::match(const FramePair& pair, const Start& start, Comparison& out
   times.scores_ns += matcher_.scores_ns();
   times.matches_ns += matcher_.minima_ns();
   out.matches = static_cast<int>(matches_.size());
+  out.sharpness = sharpness_of(pair.reference, pair.current, matches_, scratch_);
   const std::int64_t start_ns = monotonic_ns();
   pairs_.clear();
   for (const Match& m : matches_) {
@@ -201,11 +204,11 @@ bool Estimator::settle(const FramePair& pair, PatchSize patches, Comparison& out
 // Looks for the features of the references where the first motion puts them, and solves again for what is found.
 void Estimator::refine(const FramePair& pair, PatchSize patches, Comparison& out) {
   const Frame& current = pair.current;
-  const auto errors = [&] { return ViewErrors{pair.check, out.motion.shift_px, pair.noise.row_shift_px(current)}; };
   observations_.clear();
   references_.assign(1, RigidTransform{});
   // The first features, which are spread over the picture, show where to look for the others.
-  tracker_.track(pair.reference, current, out.motion.T_prev_cur, 0, {0, kPilots}, patches, errors(), observations_);
+  tracker_.track(pair.reference, current, out.motion.T_prev_cur, 0, {0, kPilots}, patches, errors(pair, out),
+                 observations_);
   const Motion pilot = solver_.solve(observations_, references_, out.motion.T_prev_cur, refined_sigmas(),
                                      Precision::rough, out.motion.shift_px);
   if (pilot.converged && pilot.inliers >= kLeastPilots) {
@@ -221,22 +224,53 @@ void Estimator::refine(const FramePair& pair, PatchSize patches, Comparison& out
     // The key frame's tell more; the previous frame's make up the number.
     const RigidTransform T_ref_key = pair.reference.T_world_camera.inverse() * pair.key->T_world_camera;
     references_.push_back(T_ref_key);
-    tracker_.track(*pair.key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, {}, patches, errors(),
+    ViewErrors of_key_frame = errors(pair, out);
+    of_key_frame.reference_velocity = pair.key->velocity;
+    tracker_.track(*pair.key, current, T_ref_key.inverse() * out.motion.T_prev_cur, 1, {}, patches, of_key_frame,
                    observations_);
     of_key = static_cast<std::ptrdiff_t>(observations_.size()) - of_pilots;
     const auto enough = static_cast<std::size_t>(kEnough * params_.max_features);
     others.last = kPilots + enough - std::min(enough, observations_.size());
   }
-  tracker_.track(pair.reference, current, out.motion.T_prev_cur, 0, others, patches, errors(), observations_);
+  tracker_.track(pair.reference, current, out.motion.T_prev_cur, 0, others, patches, errors(pair, out), observations_);
   // The solver wants them grouped by reference.
   std::rotate(observations_.begin() + of_pilots, observations_.begin() + of_pilots + of_key, observations_.end());
   out.motion = solver_.solve(observations_, references_, out.motion.T_prev_cur, refined_sigmas(), Precision::full,
                              out.motion.shift_px);
+  if (model_.readout_s > 0.0 && out.motion.converged) solve_with_turn(out);
   const Frame& kept = beside_key ? *pair.key : pair.reference;
   const int of_kept = beside_key ? 1 : 0;
   const auto found = std::count_if(observations_.begin(), observations_.end(),
                                    [of_kept](const Observation& o) { return o.inlier && o.reference == of_kept; });
   out.key_overlap = static_cast<double>(found) / static_cast<double>(std::max<std::size_t>(1, kept.features.size()));
+}
+
+// Rolling shutters: once more, with what the rows show of a turn during the exposure.
+void Estimator::solve_with_turn(Comparison& out) {
+  const TurnFit fit =
+      fit_turn(observations_, references_, out.motion, model_, refined_sigmas(), kMostTurn / model_.readout_s);
+  const RollingShutter shutter(model_);
+  Velocity turn = Velocity::Zero();
+  turn.tail<3>() = fit.rate;
+  for (Observation& o : observations_) {
+    o.uvd_cur = shutter.at_stamp(model_, turn, o.uvd_cur);
+    o.inlier = true;
+  }
+  out.turn_rate += fit.rate;
+  out.motion = solver_.solve(observations_, references_, out.motion.T_prev_cur, refined_sigmas(), Precision::full,
+                             out.motion.shift_px);
+  out.motion.covariance += fit.covariance;
+}
+
+ViewErrors Estimator::errors(const FramePair& pair, const Comparison& out) const {
+  ViewErrors errors{pair.check, out.motion.shift_px, pair.noise.row_shift_px(pair.current), out.sharpness};
+  if (model_.readout_s > 0.0) {
+    const Velocities v = velocities(pair.reference, pair.current, out.motion.T_prev_cur);
+    errors.reference_velocity = v.reference;
+    errors.velocity = v.current;
+    errors.velocity.tail<3>() += out.turn_rate;
+  }
+  return errors;
 }
 
 Findings Estimator::findings(const FramePair& pair, const Comparison& out) const {
@@ -250,10 +284,9 @@ void Estimator::judge(const FramePair& pair, Comparison& out) {
   if (params_.refine) {
     out.checks[Check::hanging_camera] = check_hanging_camera(before, pair.noise, scratch_);
     out.checks[Check::running_ground] = check_running_ground(before, pair.noise, pair.caution, params_, scratch_);
-    const ViewErrors errors{pair.check, out.motion.shift_px, pair.noise.row_shift_px(pair.current)};
     const auto count = [&](Support::Contradicts which) {
       const CellVotes votes = support_.count(pair.reference, pair.current, pair.disparity, out.motion.T_prev_cur,
-                                             errors, observations_, which);
+                                             errors(pair, out), observations_, which);
       out.checks[Check::contradiction] = check_contradiction(votes, pair.caution, params_);
       return votes.coverage();
     };

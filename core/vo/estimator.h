@@ -28,8 +28,10 @@ struct Comparison {
   bool started = false;  // a first motion was there to be refined
   int matches = 0;
   int clique = 0;
-  double eigenvalue_ratio = 0.0;  // spread of the inliers in the image
-  double key_overlap = 1.0;       // share of the key frame's features that were found again
+  Sharpness sharpness;                                  // of the current frame
+  double eigenvalue_ratio = 0.0;                        // spread of the inliers in the image
+  Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();  // rolling shutters: beside what the motions say, rad/s
+  double key_overlap = 1.0;                             // share of the key frame's features that were found again
 };
 
 // Two frames to compare, and what is known beforehand.
@@ -71,8 +73,10 @@ class Estimator {
   void match(const FramePair& pair, const Start& start, Comparison& out, StepTimes& times);
   bool settle(const FramePair& pair, PatchSize patches, Comparison& out);
   void refine(const FramePair& pair, PatchSize patches, Comparison& out);
+  void solve_with_turn(Comparison& out);
   void judge(const FramePair& pair, Comparison& out);
   Evidence check_rival(int explained) const;
+  ViewErrors errors(const FramePair& pair, const Comparison& out) const;
   Findings findings(const FramePair& pair, const Comparison& out) const;
   void observe(const FramePair& pair, const std::vector<int>& members);
   Sigmas match_sigmas(double looser) const;

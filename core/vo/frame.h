@@ -9,6 +9,8 @@
 #include "core/base/time.h"
 #include "core/vo/features.h"
 #include "core/vo/matches.h"
+#include "core/vo/rolling_shutter.h"
+#include "core/vo/sharpness.h"
 
 namespace cliquevo::vo {
 
@@ -24,6 +26,12 @@ struct Frame {
   double row_shift_px = 0.0;
   double row_scatter_px = 0.0;
   double grey_scatter = 0.0;
+  double contrast = 0.0;  // of large parts of the left image (core/vo/sharpness.h)
+  Sharpness sharpness;
+  // Rolling shutters only: velocity at the stamp, and the mean one since the frame before.
+  Velocity velocity = Velocity::Zero();
+  Velocity velocity_before = Velocity::Zero();
+  Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();  // beside it, rad/s
   double shift_px = 0.0;  // by which all its disparities were found too large, beside the calibration's error
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
@@ -32,5 +40,14 @@ struct Frame {
   Descriptors descriptors;
   Descriptors coarse_descriptors;  // of half the resolution, for blurred and small pictures
 };
+
+// Velocities at the stamps of two frames, from the motion between them and the one before: the first lies between two
+// means, the second beyond the last.
+struct Velocities {
+  Velocity before;  // mean between the two
+  Velocity reference;
+  Velocity current;
+};
+Velocities velocities(const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur);
 
 }  // namespace cliquevo::vo

@@ -45,7 +45,7 @@ int texture_at(ImageView<const std::uint8_t> image, int x, int y) {
 
 }  // namespace
 
-Support::Support(const StereoModel& model) : model_(model) {
+Support::Support(const StereoModel& model) : model_(model), shutter_(model) {
   patch_.radius = kWitnessRadius;
   patch_.iterations = kIterations;
   patch_.max_residual = 255.0;  // correlation decides
@@ -98,7 +98,11 @@ Support::Vote Support::test_patch(const Feature& f, const Frame& reference, cons
   const double d = f.raw_disparity_px - errors.check.disparity_error_px(f.x, f.y) - reference.shift_px;
   if (d + model_.doffs_px < kMinDisparity_px) return Vote::none;
   SurfacePatch expected;
-  if (!surface_patch(model_, f, d, T_cur_ref, kWitnessRadius, expected)) return Vote::none;
+  RigidTransform T = T_cur_ref;
+  if (shutter_.rolls()) {
+    T = between_rows(model_, shutter_, f, d, T_cur_ref, errors.reference_velocity, errors.velocity);
+  }
+  if (!surface_patch(model_, f, d, T, kWitnessRadius, expected)) return Vote::none;
   const double reach = kWitnessRadius + 4;
   if (!(expected.u >= reach && expected.v >= reach && expected.u < model_.width - reach &&
         expected.v < model_.height - reach)) {

@@ -51,6 +51,7 @@ class Support {
   }
 
   StereoModel model_;
+  RollingShutter shutter_;
   PatchParams patch_;
   int side_px_ = 0;  // of a cell
   int across_ = 0;   // cells

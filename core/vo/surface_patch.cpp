@@ -32,4 +32,15 @@ bool surface_patch(const StereoModel& model, const Feature& f, double disparity_
   return true;
 }
 
+RigidTransform between_rows(const StereoModel& model, const RollingShutter& shutter, const Feature& f,
+                            double disparity_px, const RigidTransform& T_cur_ref, const Velocity& reference,
+                            const Velocity& current) {
+  const double d = std::max(disparity_px + model.doffs_px, kMinDisparity_px);
+  const RigidTransform T_cur_row = T_cur_ref * shutter.T_stamp_row(reference, f.y);
+  const Eigen::Vector3d seen = T_cur_row * model.triangulate(f.x, f.y, d - model.doffs_px);
+  if (seen.z() < kMinDepth_m) return T_cur_row;
+  const double row = std::clamp(model.project(seen).y(), 0.0, model.height - 1.0);
+  return shutter.T_stamp_row(current, row).inverse() * T_cur_row;
+}
+
 }  // namespace cliquevo::vo

@@ -6,6 +6,7 @@
 #include "core/base/rigid_transform.h"
 #include "core/vo/features.h"
 #include "core/vo/patch.h"
+#include "core/vo/rolling_shutter.h"
 
 namespace cliquevo::vo {
 
@@ -24,5 +25,10 @@ struct SurfacePatch {
 // is taken over `reach` px. False where it is behind the camera.
 bool surface_patch(const StereoModel& model, const Feature& feature, double disparity_px,
                    const RigidTransform& T_cur_ref, double reach, SurfacePatch& out);
+
+// T_cur_ref between the rows that see this feature, from that between the frames' stamps.
+RigidTransform between_rows(const StereoModel& model, const RollingShutter& shutter, const Feature& feature,
+                            double disparity_px, const RigidTransform& T_cur_ref, const Velocity& reference,
+                            const Velocity& current);
 
 }  // namespace cliquevo::vo

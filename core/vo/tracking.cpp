@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "core/vo/sharpness.h"
+
 namespace cliquevo::vo {
 
 namespace {
@@ -115,7 +117,7 @@ void measure_slant(ImageView<const std::int16_t> disparity, Feature& f) {
   f.disparity_dy = std::clamp((sxx * syd - sxy * sxd) / determinant, -kMaxSlant, kMaxSlant);
 }
 
-Tracker::Tracker(const StereoModel& model, const VoParams& params) : model_(model), params_(params) {
+Tracker::Tracker(const StereoModel& model, const VoParams& params) : model_(model), shutter_(model), params_(params) {
   patch_.radius = params.refine_radius_px;
   patch_.iterations = params.refine_iterations;
   patch_.min_correlation = params.min_patch_correlation;
@@ -153,6 +155,7 @@ void Tracker::measure_views(ImageView<const std::int16_t> disparity, SelfCheck& 
     greys_.push_back(static_cast<double>(fit.residual));
   }
   check.update_vertical();
+  frame.contrast = contrast_of_parts(frame.left.cview());
   frame.row_shift_px = frame.row_scatter_px = frame.grey_scatter = 0.0;
   if (rows_.size() < kLeastRows) return;
   frame.row_shift_px = median_of(rows_);
@@ -194,7 +197,11 @@ void Tracker::track(const Frame& reference, const Frame& current, const RigidTra
   Observation o;
   for (std::size_t i = range.first; i < std::min(range.last, reference.features.size()); ++i) {
     const Feature& f = reference.features[i];
-    if (!surface_patch(model_, f, f.disparity_px, T_cur_ref, reach, expected)) continue;
+    RigidTransform T = T_cur_ref;
+    if (shutter_.rolls()) {
+      T = between_rows(model_, shutter_, f, f.disparity_px, T_cur_ref, errors.reference_velocity, errors.velocity);
+    }
+    if (!surface_patch(model_, f, f.disparity_px, T, reach, expected)) continue;
     if (!(expected.u >= reach && expected.v >= reach && expected.u <= model_.width - 1 - reach &&
           expected.v <= model_.height - 1 - reach)) {
       continue;
@@ -232,8 +239,12 @@ bool Tracker::find(const Frame& reference, const Frame& current, const Feature& 
   o = {};
   o.uvd_ref = {static_cast<double>(f.x), static_cast<double>(f.y), f.disparity_px};
   o.uvd_cur = {fit.x, fit.y, d};
+  if (shutter_.rolls()) {
+    o.uvd_ref = shutter_.at_stamp(model_, errors.reference_velocity, o.uvd_ref);
+    o.uvd_cur = shutter_.at_stamp(model_, errors.velocity, o.uvd_cur);
+  }
   o.brighter = fit.brighter;
-  o.change = 1.0F - fit.correlation;
+  o.change = 1.0F - fit.correlation - static_cast<float>(change_by_blur(reference.sharpness, errors.sharpness));
   o.difference = 1.0F - stereo.correlation;
   return true;
 }

@@ -25,6 +25,10 @@ struct ViewErrors {
   const SelfCheck& check;
   double shift_px = 0.0;  // of all disparities
   double row_px = 0.0;    // of all rows of the right image
+  Sharpness sharpness{};  // of the current frame
+  // Rolling shutters only: how fast the reference and the current camera move.
+  Velocity reference_velocity = Velocity::Zero();
+  Velocity velocity = Velocity::Zero();
   double disparity_px(double u_px, double v_px) const { return check.disparity_error_px(u_px, v_px) + shift_px; }
   double rows_px(double u_px, double v_px) const { return check.vertical_error_px(u_px, v_px) + row_px; }
 };
@@ -64,6 +68,7 @@ class Tracker {
             const PatchParams& patch, const ViewErrors& errors, Observation& out) const;
 
   StereoModel model_;
+  RollingShutter shutter_;
   VoParams params_;
   PatchParams patch_;
   PatchParams large_patch_;

@@ -2,7 +2,10 @@
 #include "core/vo/uncertainty.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+
+#include "core/vo/surface_patch.h"
 
 namespace cliquevo::vo {
 
@@ -21,6 +24,9 @@ constexpr double kOverlapVariance = 1.4;
 // part of the picture: the variance grows with the square of what is missing.
 constexpr double kLeastCovered = 0.1;
 constexpr double kEvenLight = 15.0;  // grey levels by which light may change unevenly before it counts
+constexpr int kPartsAcross = 3;      // of the picture ...
+constexpr int kPartsDown = 6;        // ... finer down, where rows may bend
+constexpr int kLeastParts = 6;       // with inliers: fewer do not scatter enough to be judged
 constexpr double kHalfKnown = 1.0;   // ratio of the check on uncertainty at which the quality is 50
 
 double noise_factor(const Findings& f, bool beside_key, const VoParams& params) {
@@ -39,6 +45,46 @@ double coverage_factor(const Findings& f) {
   return 1.0 / (covered * covered);
 }
 
+// Errors that a part of the picture shares (rows that bend, surfaces) do not average out as noise does: by how much the
+// means of the inliers' errors over parts of the picture scatter more than the errors themselves let expect.
+double coherence_factor(const Findings& f) {
+  struct Part {
+    double u = 0.0, v = 0.0;
+    int n = 0;
+  };
+  std::array<Part, static_cast<std::size_t>(kPartsAcross * kPartsDown)> parts;
+  double squared = 0.0;
+  int inliers = 0;
+  for (const Observation& o : f.observations) {
+    if (!o.inlier) continue;
+    const RigidTransform T_cur_ref =
+        f.motion.T_prev_cur.inverse() * f.T_prev_ref[static_cast<std::size_t>(o.reference)];
+    const Eigen::Vector3d seen = T_cur_ref * f.model.triangulate(o.uvd_ref.x(), o.uvd_ref.y(), o.uvd_ref.z());
+    if (seen.z() < kMinDepth_m) continue;
+    const Eigen::Vector3d error = o.uvd_cur - f.model.project(seen);
+    const auto place = [](double px, int size_px, int count) {
+      return std::clamp(static_cast<int>(px * count / size_px), 0, count - 1);
+    };
+    const int across = place(o.uvd_cur.x(), f.model.width, kPartsAcross);
+    const int down = place(o.uvd_cur.y(), f.model.height, kPartsDown);
+    Part& part = parts[static_cast<std::size_t>(down * kPartsAcross + across)];
+    part.u += error.x();
+    part.v += error.y();
+    ++part.n;
+    squared += error.x() * error.x() + error.y() * error.y();
+    ++inliers;
+  }
+  double of_means = 0.0;
+  int filled = 0;
+  for (const Part& part : parts) {
+    if (part.n == 0) continue;
+    of_means += (part.u * part.u + part.v * part.v) / part.n;
+    ++filled;
+  }
+  if (filled <= kLeastParts || !(squared > 0.0)) return 1.0;
+  return std::max(1.0, of_means / filled / (squared / inliers));
+}
+
 double light_factor(const Findings& f, std::vector<float>& scratch) {
   const double light = change_of_light(f.observations, scratch) / kEvenLight;
   return 1.0 + light * light;
@@ -53,6 +99,7 @@ Matrix6d uncertainty(const Findings& f, bool beside_key, const VoParams& params,
   covariance *= noise_factor(f, beside_key, params);
   covariance *= overlap_factor(f, params);
   covariance *= coverage_factor(f);
+  if (f.model.readout_s > 0.0) covariance *= coherence_factor(f);
   covariance *= light_factor(f, scratch);
   covariance *= check.unsettled();
   const Vector6d& change = f.motion.offset_sensitivity;

@@ -81,6 +81,10 @@ void VisualOdometry::Impl::load(const FrameInput& input) {
   current = frames.spare();
   current->stamp_ns = input.stamp_ns;
   current->shift_px = 0.0;
+  current->sharpness = {};
+  current->velocity.setZero();
+  current->velocity_before.setZero();
+  current->turn_rate.setZero();
   current->left.copy_from(input.left);
   current->right.copy_from(input.right);
   detector.detect(params.corner_image == CornerImage::filtered ? input.filtered_left : input.left, input.disparity,
@@ -107,6 +111,7 @@ void VisualOdometry::Impl::follow(const FrameInput& input) {
   estimate.prev_stamp_ns = frames.valid()->stamp_ns;
   const auto [comparison, reference] = compare(input);
   const bool valid = comparison.status == Status::valid;
+  current->sharpness = comparison.sharpness;
   caution.next(valid);
   report(comparison);
   if (valid) {
@@ -172,6 +177,14 @@ void VisualOdometry::Impl::accept(const Comparison& c, const Frame& reference) {
   const RigidTransform T_valid_ref = frames.valid()->T_world_camera.inverse() * reference.T_world_camera;
   current->T_world_camera = (reference.T_world_camera * c.motion.T_prev_cur).normalized();
   current->shift_px = c.motion.shift_px;
+  if (model.readout_s > 0.0 && &reference == frames.valid()) {
+    const Velocities v = velocities(reference, *current, c.motion.T_prev_cur);
+    frames.valid()->velocity = v.reference;
+    current->velocity = v.current;
+    current->velocity.tail<3>() += c.turn_rate;
+    current->turn_rate = c.turn_rate;
+    current->velocity_before = v.before;
+  }
   estimate.T_prev_cur = T_valid_ref * c.motion.T_prev_cur;
   const bool of_valid = &reference == frames.valid();
   if (of_valid && frames.key() != frames.valid()) {

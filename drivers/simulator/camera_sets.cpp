@@ -24,7 +24,7 @@ constexpr CameraSet kSets[] = {
      .width = 320,
      .height = 240,
      .focal_px = 350.0,
-     .jpeg_quality = 40,
+     .jpeg_quality = 70,
      .jpeg_spread = 10,
      .defocus_px = 0.8,
      .vibration_px = 3.0,
@@ -37,13 +37,13 @@ constexpr CameraSet kSets[] = {
      .right_gain = 1.06,
      .right_bias = 2},
     // On a drone or in the hand: both cameras shake together, in each exposure another way.
-    {.name = "vibrating", .vibration_px = 10.0, .sway_deg = 0.5},
+    {.name = "vibrating", .vibration_px = 5.0, .sway_deg = 0.5},
     // Worn on the body: wide, rolling shutter, compressed, thrown about.
     {.name = "action",
      .focal_px = 300.0,
      .jpeg_quality = 60,
      .jpeg_spread = 10,
-     .vibration_px = 4.0,
+     .vibration_px = 3.0,
      .readout_ms = 16.0,
      .sway_deg = 2.0},
     // Against hard sunlight the one camera's exposure settles a little above the other's.

@@ -104,6 +104,7 @@ StereoModel rectified_model(const SimulatorOptions& o) {
 StereoCalibration simulated_calibration(const SimulatorOptions& o) {
   StereoCalibration c;
   c.source = "simulator";
+  c.readout_s = 1e-3 * std::max(o.readout_ms, 0.0);
   PrescribedRectification prescribed;
   prescribed.model = rectified_model(o);
   c.rectified = !o.raw;

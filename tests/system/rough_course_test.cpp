@@ -23,21 +23,11 @@ constexpr double kTimeoutS = 300.0;
 
 struct Camera {
   const char* name;
-  double most_failed;  // share of the frames
   double segments_pct;
   friend std::ostream& operator<<(std::ostream& out, const Camera& camera) { return out << camera.name; }
 };
-// A rolling shutter, which the odometry does not model, costs the webcam its accuracy.
-constexpr Camera kCameras[] = {
-    {"sun", 0.005, 0.3},
-    {"flexing", 0.01, 0.3},
-    {"webcam", 0.005, 1.0},
-#ifdef CLIQUEVO_LONG
-    // Not followed yet as they should be: blur of another direction in every frame, strong rolling shutter.
-    {"vibrating", 0.005, 0.3},
-    {"action", 0.005, 0.3},
-#endif
-};
+constexpr Camera kCameras[] = {{"sun", 0.1}, {"flexing", 0.1}, {"webcam", 0.3}, {"vibrating", 0.1}, {"action", 0.4}};
+constexpr int kMostFailed = kFrames / 200;  // flexing: the first frame, as long as nothing is known of the rig
 
 class RoughCourse : public testing::TestWithParam<Camera> {
  protected:
@@ -52,7 +42,7 @@ class RoughCourse : public testing::TestWithParam<Camera> {
     const double segments_pct = stats["reference"]["t_err_pct"].get<double>();
     fmt::print("{} {}: {} of {} valid, end {:.3f} %, segments {:.3f} %\n", course, GetParam().name, valid, kFrames - 1,
                end_pct, segments_pct);
-    EXPECT_GE(valid, (1.0 - GetParam().most_failed) * (kFrames - 1));
+    EXPECT_GE(valid, kFrames - 1 - kMostFailed);
     EXPECT_LE(segments_pct, GetParam().segments_pct);
   }
 };
