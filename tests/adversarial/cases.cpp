@@ -150,7 +150,7 @@ Case CaseMaker::make(std::uint64_t k) {
   const int span = (frames - 1) * stride;
   const int first = whole(rng, 0, static_cast<int>(from.pairs.size()) - 1 - span - (out.kind == Kind::gap ? 62 : 0));
   // Driven backwards; not with a rolling shutter, whose rows would come from below.
-  const bool back = whole(rng, 0, 1) == 1 && !(from.info.calibration && from.info.calibration->readout_s > 0.0);
+  const bool back = whole(rng, 0, 1) == 1 && !(from.info.calibration.readout_s > 0.0);
   out.text = fmt::format("{}: {} from {} every {}{}", k, source, first, stride, back ? " backwards" : "");
   out.info = copy_of(from.info);
   for (int i = 0; i < frames; ++i) {
