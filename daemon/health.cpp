@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "core/base/clock.h"
 #include "core/base/printable.h"
-#include "daemon/clock.h"
+#include "daemon/lcm/messages.h"
 #include "daemon/machine.h"
-#include "daemon/messages.h"
 
 namespace cliquevo::daemon {
 

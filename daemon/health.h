@@ -12,7 +12,7 @@
 #include <cliquevo/health_t.hpp>
 
 #include "core/rt/histogram.h"
-#include "daemon/pipeline.h"
+#include "daemon/threads/pipeline.h"
 
 namespace cliquevo::daemon {
 

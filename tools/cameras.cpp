@@ -14,8 +14,8 @@
 
 #include "core/base/caught.h"
 #include "core/base/printable.h"
-#include "daemon/source.h"
-#include "drivers/camera_options.h"
+#include "daemon/pipeline/source.h"
+#include "drivers/live/camera_options.h"
 #include "tools/camera_run.h"
 #include "tools/exit_code.h"
 #ifdef CLIQUEVO_ARAVIS

@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/caught.h"
-#include "daemon/standard_streams.h"
+#include "core/base/standard_streams.h"
 #include "tools/cameras.h"
 #include "tools/commands.h"
 #include "tools/ctl.h"
@@ -67,13 +67,13 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  daemon::keep_standard_streams();
+  keep_standard_streams();
   int exit_code = kBadInput;
   try {
     exit_code = run(argc, argv);
   } catch (...) {  // out of memory, a library at its end
     return report(cliquevo::caught("cliquevo"));
   }
-  if (const auto ok = daemon::flush_stdout(); !ok && exit_code == kDone) return report(ok.error());
+  if (const auto ok = flush_stdout(); !ok && exit_code == kDone) return report(ok.error());
   return exit_code;
 }

@@ -8,9 +8,9 @@
 #include <gtest/gtest.h>
 
 #include "core/rt/memory.h"
-#include "daemon/config.h"
-#include "daemon/pipeline.h"
-#include "daemon/source.h"
+#include "daemon/pipeline/config.h"
+#include "daemon/pipeline/source.h"
+#include "daemon/threads/pipeline.h"
 #include "tests/support/test_data.h"
 #include "tests/system/interpose/interposer.h"
 
