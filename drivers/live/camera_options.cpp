@@ -2,7 +2,7 @@
 #include "drivers/live/camera_options.h"
 
 #include "drivers/calibration_file.h"
-#include "drivers/masks.h"
+#include "drivers/images/masks.h"
 
 namespace cliquevo::drivers {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "drivers/calibration_file.h"
+#include "drivers/calibration/calibration_options.h"
 #include "drivers/frame_source.h"
 
 namespace cliquevo::drivers {

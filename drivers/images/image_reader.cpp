@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/recording/image_reader.h"
+#include "drivers/images/image_reader.h"
 
 #include <filesystem>
 #include <fstream>

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/masks.h"
+#include "drivers/images/masks.h"
 
 #include <filesystem>
 
 #include <fmt/format.h>
 
-#include "drivers/recording/image_reader.h"
+#include "drivers/images/image_reader.h"
 
 namespace cliquevo::drivers {
 
