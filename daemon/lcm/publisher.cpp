@@ -15,8 +15,6 @@ namespace cliquevo::daemon {
 
 namespace {
 
-constexpr std::size_t kMaxChannelLength = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
-
 // One message type on one channel, encoded into a buffer that is kept: lcm::LCM::publish(channel, &message) would
 // allocate one a message.
 template <typename Message>
@@ -41,9 +39,14 @@ class Channel {
   std::vector<std::uint8_t> buffer_;
 };
 
-Result<void> check_channel(const std::string& key, const std::string& name) {
-  if (!name.empty() && name.size() <= kMaxChannelLength) return {};
-  return Error{"unusable LCM channel name", key + " = '" + name + "'", "use 1 to 63 characters"};
+Result<void> check_channels(const LcmConfig& config) {
+  for (const LcmChannel& channel : kLcmChannels) {
+    const std::string& name = config.*channel.name;
+    if (name.size() <= kLongestChannel && !(channel.required && name.empty())) continue;
+    return Error{"unusable LCM channel name", std::string("lcm.") + channel.key + " = '" + name + "'",
+                 "use 1 to 63 characters"};
+  }
+  return {};
 }
 
 }  // namespace
@@ -76,9 +79,7 @@ struct Publisher::Impl {
 };
 
 Result<Publisher> Publisher::make(const LcmConfig& config, const RigidTransform& T_body_camera) {
-  if (const auto ok = check_channel("lcm.delta_channel", config.delta_channel); !ok) return ok.error();
-  if (const auto ok = check_channel("lcm.pose_channel", config.pose_channel); !ok) return ok.error();
-  if (const auto ok = check_channel("lcm.status_channel", config.status_channel); !ok) return ok.error();
+  if (const auto ok = check_channels(config); !ok) return ok.error();
   auto sender = MessageSender::open(config.url);
   if (!sender) return sender.error();
   return Publisher(std::make_unique<Impl>(std::move(*sender), config, T_body_camera));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The configuration file (config/cliquevo.yaml): every key has a default; an unknown key is an error with file and
-// line. config_keys.h holds the table of keys.
+// line. keys/ holds the table of keys.
 #pragma once
 
 #include <string>
@@ -12,8 +12,9 @@
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
 #include "core/vo/vo_params.h"
+#include "daemon/pipeline/lcm_config.h"
 #include "drivers/live/camera_options.h"
-#include "drivers/recording.h"
+#include "drivers/recording/recording_options.h"
 #include "drivers/simulator.h"
 #include "stereo/rectify_params.h"
 #include "stereo/stereo_params.h"
@@ -30,19 +31,6 @@ struct SourceConfig {
   double speed = 1.0;         // times recorded pace; 0 = as fast as possible
 
   bool is_live() const { return type != "simulator" && type != "recording"; }
-};
-
-struct LcmConfig {
-  std::string url = "udpm://239.255.76.67:7667?ttl=0";
-  std::string delta_channel = "VO_DELTA_CAMERA";
-  std::string pose_channel = "POSE_BODY";
-  std::string status_channel = "VO_STATUS";
-  std::string delta_body_channel;  // the delta as the body moves; the channels from here on: empty = off
-  std::string images_channel;      // left image and disparity
-  double images_rate_hz = 2.0;
-  std::string movers_channel;  // rigid things that move by themselves
-  std::string health_channel = "VO_HEALTH";
-  std::string command_channel;  // listened to: see CommandReceiver
 };
 
 // The Unix socket that commands come through.

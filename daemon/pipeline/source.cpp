@@ -7,17 +7,9 @@
 #include <vector>
 
 #include "core/base/saturating.h"
+#include "daemon/pipeline/camera_families.h"
 #include "drivers/eye_watch.h"
 #include "drivers/recording.h"
-#ifdef CLIQUEVO_ARAVIS
-#include "drivers/aravis.h"
-#endif
-#ifdef CLIQUEVO_V4L2
-#include "drivers/v4l2.h"
-#endif
-#ifdef CLIQUEVO_LIBCAMERA
-#include "drivers/libcamera.h"
-#endif
 #include "drivers/simulator.h"
 
 namespace cliquevo::daemon {
@@ -84,15 +76,9 @@ class PingPong : public FrameSource {
 
 std::string built_in_sources() {
   std::string out = "simulator, recording";
-#ifdef CLIQUEVO_ARAVIS
-  out += ", aravis";
-#endif
-#ifdef CLIQUEVO_V4L2
-  out += ", v4l2";
-#endif
-#ifdef CLIQUEVO_LIBCAMERA
-  out += ", libcamera";
-#endif
+  for (const CameraFamily& family : camera_families()) {
+    if (family.is_built_in()) out += std::string(", ") + family.name;
+  }
   return out;
 }
 
@@ -140,8 +126,7 @@ Result<std::unique_ptr<FrameSource>> open_source_within(const SourceConfig& conf
 
 namespace {
 
-Result<std::unique_ptr<FrameSource>> open_family(const SourceConfig& config,
-                                                 [[maybe_unused]] drivers::OpenTrouble& trouble) {
+Result<std::unique_ptr<FrameSource>> open_family(const SourceConfig& config, drivers::OpenTrouble& trouble) {
   const bool pingpong = config.loop == "pingpong";
   if (config.type == "recording") {
     drivers::RecordingOptions options = config.recording;
@@ -154,15 +139,9 @@ Result<std::unique_ptr<FrameSource>> open_family(const SourceConfig& config,
     std::unique_ptr<FrameSource> source = std::move(*simulator);
     return pingpong ? make_pingpong(std::move(source)) : Result<std::unique_ptr<FrameSource>>(std::move(source));
   }
-#ifdef CLIQUEVO_ARAVIS
-  if (config.type == "aravis") return drivers::open_aravis(config.cameras, trouble);
-#endif
-#ifdef CLIQUEVO_V4L2
-  if (config.type == "v4l2") return drivers::open_v4l2(config.cameras, trouble);
-#endif
-#ifdef CLIQUEVO_LIBCAMERA
-  if (config.type == "libcamera") return drivers::open_libcamera(config.cameras, trouble);
-#endif
+  for (const CameraFamily& family : camera_families()) {
+    if (config.type == family.name && family.is_built_in()) return family.open(config.cameras, trouble);
+  }
   return Error{"source is not in this build", "source.type = " + config.type,
                "build where its library is found (`cliquevod --version` lists what is in)"};
 }

@@ -1,16 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "daemon/pipeline/config.h"
 
+#include <algorithm>
+#include <cmath>
 #include <fstream>
-#include <map>
 #include <optional>
-#include <regex>
 #include <sstream>
+#include <type_traits>
+#include <variant>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <yaml-cpp/yaml.h>
 
+#include "daemon/pipeline/keys/keys.h"
 #include "tests/support/test_data.h"
 
 namespace cliquevo::daemon {
@@ -80,65 +82,102 @@ TEST(Config, TheShippedFileHoldsEveryKeyWithItsCompiledDefault) {
 
 TEST(Config, EveryParameterOfRectificationStereoAndOdometryHasAKey) {
   EXPECT_EQ(count_keys("stereo"), count_fields<stereo::StereoParams>())
-      << "a field without a line in daemon/config_keys.h and config/cliquevo.yaml";
+      << "a field without a row in daemon/pipeline/keys";
   EXPECT_EQ(count_keys("rectify"), count_fields<stereo::RectifyParams>())
-      << "a field without a line in daemon/config_keys.h and config/cliquevo.yaml";
-  EXPECT_EQ(count_keys("odometry"), count_fields<vo::VoParams>())
-      << "a field without a line in daemon/config_keys.h and config/cliquevo.yaml";
+      << "a field without a row in daemon/pipeline/keys";
+  EXPECT_EQ(count_keys("odometry"), count_fields<vo::VoParams>()) << "a field without a row in daemon/pipeline/keys";
 }
 
 TEST(Config, EveryOptionOfTheSimulatorHasAKey) {
   // The three angles of misalign_right_deg are fields of their own to the counter, and one key.
   EXPECT_EQ(count_keys("source.simulator") + 2, count_fields<drivers::SimulatorOptions>())
-      << "a field without a line in daemon/config_keys.h and config/cliquevo.yaml";
+      << "a field without a row in daemon/pipeline/keys";
 }
 
-TEST(Config, EveryKeyOfTheShippedFileSaysWhatItMeans) {
-  std::ifstream in(shipped());
-  int keys = 0;
-  for (std::string line; std::getline(in, line);) {
-    if (!std::regex_search(line, std::regex(R"(^ +\w+: *[^ #])"))) continue;
-    ++keys;
-    EXPECT_NE(line.find(" # "), std::string::npos) << line;
-  }
-  EXPECT_EQ(static_cast<std::size_t>(keys), list_config(default_config()).size());
+TEST(Config, EveryKeySaysWhatItMeans) {
+  Config config = default_config();
+  const KeyTable table = config_keys(config);
+  for (const Key& key : table.keys()) EXPECT_FALSE(key.meaning.empty()) << key.name;
 }
 
-// "; 5 to 21" in the shipped file is a promise: both ends are accepted, what lies beyond is refused with its line.
-TEST(Config, TheRangesInTheShippedFileAreThoseOfTheProgram) {
-  std::ifstream in(shipped());
-  std::vector<std::string> sections;
+TEST(Config, EveryDefaultIsWithinItsRange) {
+  Config config = default_config();
+  const KeyTable table = config_keys(config);
+  for (const Key& key : table.keys()) EXPECT_TRUE(key.check().ok()) << key.name;
+}
+
+bool is_number(const Key& key) {
+  return std::holds_alternative<int*>(key.field) || std::holds_alternative<std::int64_t*>(key.field) ||
+         std::holds_alternative<double*>(key.field) || std::holds_alternative<std::optional<double>*>(key.field);
+}
+bool is_whole(const Key& key) {
+  return !std::holds_alternative<double*>(key.field) && !std::holds_alternative<std::optional<double>*>(key.field);
+}
+
+// What is said of the key when it is set to a number in a file.
+std::string refusal_of(const Key& key, double value) {
+  const auto text = is_whole(key) ? std::to_string(std::lround(value)) : fmt::format("{}", value);
+  return refusal(setting(key.name, text));
+}
+
+// A range is a promise: both ends are accepted, what lies beyond is refused with its line. At an end another key may
+// object (a wide image to a short focal length); beyond it this one must.
+TEST(Config, TheRangesAreKeptToTheLastValue) {
+  Config config = default_config();
   int ranges = 0;
-  for (std::string line; std::getline(in, line);) {
-    std::smatch m;
-    if (!std::regex_search(line, m, std::regex(R"(^( *)(\w+): *([^#]*?) *(#.*)?$)"))) continue;
-    sections.resize(static_cast<std::size_t>(m[1].length()) / 2);
-    sections.push_back(m[2]);
-    const std::string key = fmt::format("{}", fmt::join(sections, "."));
-    std::smatch r;
-    const std::string comment = m[4];
-    if (!std::regex_search(comment, r, std::regex(R"(; (-?[\d.]+) (to (-?[\d.]+)|or more)(?= *$|,|;))"))) continue;
-    if (std::regex_search(comment, std::regex("characters"))) continue;
+  const KeyTable table = config_keys(config);
+  for (const Key& key : table.keys()) {
+    if (!is_number(key) || !key.range.low) continue;
     ++ranges;
-    const bool whole = m[3].str().find('.') == std::string::npos && m[3] != "auto";
-    const double low = std::stod(r[1]);
-    const double step = whole ? 1.0 : 1e-6;
-    const auto text = [&](double v) { return whole ? std::to_string(std::lround(v)) : fmt::format("{}", v); };
-    // At an end another key may object (a wide image to a short focal length); beyond it this one must.
+    const double step = is_whole(key) ? key.range.multiple_of * (key.range.odd ? 2.0 : 1.0) : 1e-6;
+    const std::size_t line = 1 + static_cast<std::size_t>(std::count(key.name.begin(), key.name.end(), '.'));
     const auto blamed = [&](double v) {
-      const std::string said = refusal(setting(key, text(v)));
-      return said.find("(" + key) != std::string::npos &&
-             said.find(fmt::format("c.yaml:{}:", sections.size())) != std::string::npos;
+      const std::string said = refusal_of(key, v);
+      return said.find("(" + key.name + " =") != std::string::npos &&
+             said.find(fmt::format("c.yaml:{}:", line)) != std::string::npos;
     };
-    EXPECT_FALSE(blamed(low)) << key << " " << low;
-    EXPECT_TRUE(blamed(low - step) || refusal(setting(key, text(low - step))).find("negative") != std::string::npos)
-        << key << " below " << low;
-    if (!r[3].matched) continue;
-    const double high = std::stod(r[3]);
-    EXPECT_FALSE(blamed(high)) << key << " " << high;
-    EXPECT_TRUE(blamed(high + step)) << key << " above " << high;
+    EXPECT_EQ(key.range.contains(*key.range.low), !key.range.low_is_open) << key.name;
+    EXPECT_TRUE(blamed(*key.range.low - step)) << key.name << " below " << *key.range.low;
+    if (!key.range.high) continue;
+    EXPECT_TRUE(blamed(*key.range.high + step)) << key.name << " above " << *key.range.high;
   }
-  EXPECT_GT(ranges, 45);
+  EXPECT_GT(ranges, 80);
+}
+
+// Whoever uses a library without a configuration file relies on its own check: it must know the same ranges.
+TEST(Config, TheLibrariesOwnChecksKnowTheSameRanges) {
+  Config config = default_config();
+  const KeyTable table = config_keys(config);
+  for (const Key& key : table.keys()) {
+    const bool of_a_library = key.name.starts_with("stereo.") || key.name.starts_with("rectify.") ||
+                              key.name.starts_with("odometry.") || key.name.starts_with("source.cameras.") ||
+                              key.name.starts_with("source.simulator.");
+    if (!of_a_library || !is_number(key)) continue;
+    const auto refused = [&](double v) {
+      const Config before = config;
+      std::visit(
+          [v](auto field) {
+            using Pointer = decltype(field);
+            if constexpr (std::is_same_v<Pointer, int*>) *field = static_cast<int>(v);
+            if constexpr (std::is_same_v<Pointer, std::int64_t*>) *field = static_cast<std::int64_t>(v);
+            if constexpr (std::is_same_v<Pointer, double*> || std::is_same_v<Pointer, std::optional<double>*>) {
+              *field = v;
+            }
+          },
+          key.field);
+      const bool ok = config.stereo.check().ok() && config.rectify.check().ok() && config.odometry.check().ok() &&
+                      config.source.cameras.check().ok() && config.source.simulator.check().ok();
+      config = before;
+      return !ok;
+    };
+    const double step = is_whole(key) ? 1.0 : 1e-6;
+    if (key.range.low) {
+      EXPECT_TRUE(refused(*key.range.low - step)) << key.name;
+    }
+    if (key.range.high) {
+      EXPECT_TRUE(refused(*key.range.high + step)) << key.name;
+    }
+  }
 }
 
 TEST(Config, AnEmptyFileIsTheDefaults) {
