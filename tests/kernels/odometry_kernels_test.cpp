@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/vo/kernels/kernels.h"
-
 #include <cstring>
 #include <memory>
 #include <random>
@@ -9,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "core/base/image.h"
+#include "core/vo/kernels/kernels.h"
 #include "core/vo/patch.h"
 
 namespace cliquevo::vo {
