@@ -12,7 +12,7 @@
 #include "drivers/live/pair_sync.h"
 #include "tests/unit/drivers/live/torment.h"
 
-namespace cliquevo::drivers::test {
+namespace cliquevo::test {
 
 struct Tally {
   std::int64_t frames = 0;
@@ -23,25 +23,25 @@ struct Tally {
   double most_apart_periods = 0;  // of the exposures of a pair
 };
 
-inline void check_counts(const PairSync& sync, Tally& tally) {
-  for (const Eye eye : {Eye::left, Eye::right}) {
-    const SyncCounts& c = sync.counts(eye);
+inline void check_counts(const drivers::PairSync& sync, Tally& tally) {
+  for (const drivers::Eye eye : {drivers::Eye::left, drivers::Eye::right}) {
+    const drivers::SyncCounts& c = sync.counts(eye);
     if (c.received != c.paired + c.unpaired + c.late + c.doubled + c.uncertain + sync.waiting(eye)) ++tally.miscounted;
   }
 }
 
-inline Tally run(const TormentOptions& options, PairSync& sync) {
+inline Tally run(const TormentOptions& options, drivers::PairSync& sync) {
   const std::vector<TormentFrame> frames = make_torment(options);
   std::vector<std::int64_t> exposures[2];
   for (auto& e : exposures) e.resize(static_cast<std::size_t>(options.exposures));
   Tally tally;
-  SyncOutcome outcome;
+  drivers::SyncOutcome outcome;
   std::int64_t last = -1;
   std::int64_t handed_back = 0;
   for (const TormentFrame& f : frames) {
     exposures[static_cast<std::size_t>(f.eye)][f.frame.token] = f.exposure_ns;
     sync.push(f.eye, f.frame, outcome);
-    for (const SyncPair& pair : outcome.pairs) {
+    for (const drivers::SyncPair& pair : outcome.pairs) {
       ++tally.pairs;
       if (pair.left != pair.right) ++tally.false_pairs;
       if (pair.left <= last) ++tally.disordered;
@@ -55,16 +55,16 @@ inline Tally run(const TormentOptions& options, PairSync& sync) {
   }
   tally.frames = static_cast<std::int64_t>(frames.size());
   // Every token comes back once, but for those that still wait.
-  EXPECT_EQ(handed_back + sync.waiting(Eye::left) + sync.waiting(Eye::right), tally.frames);
+  EXPECT_EQ(handed_back + sync.waiting(drivers::Eye::left) + sync.waiting(drivers::Eye::right), tally.frames);
   EXPECT_EQ(tally.miscounted, 0);
   EXPECT_EQ(tally.disordered, 0);
   return tally;
 }
 
-inline PairSyncOptions at_30_hz() {
-  PairSyncOptions options;
+inline drivers::PairSyncOptions at_30_hz() {
+  drivers::PairSyncOptions options;
   options.rate_hz = 30.0;
   return options;
 }
 
-}  // namespace cliquevo::drivers::test
+}  // namespace cliquevo::test
