@@ -13,7 +13,9 @@ install(FILES systemd/60-cliquevo.sysctl DESTINATION lib/sysctl.d RENAME 60-cliq
 install(FILES systemd/60-cliquevo.rules DESTINATION lib/udev/rules.d)
 install(FILES config/cliquevo.yaml DESTINATION ${CMAKE_INSTALL_FULL_SYSCONFDIR}/cliquevo)
 install(DIRECTORY daemon/lcmtypes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/cliquevo/lcmtypes FILES_MATCHING PATTERN "*.lcm")
-install(FILES README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
+install(FILES config/cliquevo.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/cliquevo)
+install(FILES config/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME cliquevo)
+install(FILES README.md CHANGELOG.md docs/configuration.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES systemd/network-cameras.conf DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 

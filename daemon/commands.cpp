@@ -7,7 +7,7 @@
 
 #include <spdlog/spdlog.h>
 
-#include "daemon/lcm_url.h"
+#include "daemon/lcm/lcm_url.h"
 #include "daemon/log.h"
 #include "daemon/status_report.h"
 

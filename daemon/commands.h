@@ -8,12 +8,12 @@
 
 #include <cliquevo/health_t.hpp>
 
-#include "daemon/command_receiver.h"
-#include "daemon/config.h"
-#include "daemon/control_socket.h"
-#include "daemon/incidents.h"
-#include "daemon/pipeline.h"
+#include "daemon/control/command_receiver.h"
+#include "daemon/control/control_socket.h"
+#include "daemon/control/incidents.h"
+#include "daemon/pipeline/config.h"
 #include "daemon/recording.h"
+#include "daemon/threads/pipeline.h"
 
 namespace cliquevo::daemon {
 

@@ -3,7 +3,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -11,50 +10,26 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "core/base/caught.h"
 #include "core/rt/memory.h"
-#include "core/rt/thread.h"
 #include "daemon/commands.h"
-#include "daemon/config.h"
-#include "daemon/effective_config.h"
+#include "daemon/daemon_work.h"
 #include "daemon/first_pairs.h"
-#include "daemon/health.h"
 #include "daemon/log.h"
-#include "daemon/pipeline.h"
-#include "daemon/publisher.h"
+#include "daemon/output.h"
+#include "daemon/pipeline/effective_config.h"
 #include "daemon/recording.h"
-#include "daemon/service.h"
-#include "daemon/signals.h"
-#include "daemon/stages.h"
+#include "daemon/reload.h"
 #include "daemon/start_up.h"
-#include "daemon/trajectory_sink.h"
+#include "daemon/threads/pipeline.h"
+#include "daemon/watch.h"
 #include "drivers/describe.h"
 
 namespace cliquevo::daemon {
 
 namespace {
 
-constexpr std::int64_t kTickNs = 100'000'000;        // how often the watchdog is fed
-constexpr std::int64_t kSecondNs = 1'000'000'000;    // health
-constexpr std::int64_t kRetryNs = kSecondNs / 2;     // for a route or a server; asking itself takes as long at most
-constexpr std::int64_t kPatienceNs = 5 * kSecondNs;  // for frames on their way once stopping
-
-Result<Config> load(const DaemonOptions& options) {
-  return options.config.empty() ? Result<Config>(default_config()) : read_config(options.config);
-}
-
-// The stereo thread's helpers wait for each other: all of them run like it.
-void schedule_workers(const RealtimeConfig& config, StereoStage& stereo) {
-  int number = 1;
-  for (const auto handle : stereo.worker_handles()) {
-    const int cpu = config.worker_cpu >= 0 ? config.worker_cpu + number - 1 : -1;
-    ++number;
-    const std::string name = fmt::format("vo-stereo-{}", number);
-    const std::string missing =
-        rt::schedule(handle, {.name = name, .cpu = cpu, .fifo_priority = config.stereo_priority});
-    if (!missing.empty()) spdlog::warn("without real-time rights: {}: {}", name, missing);
-  }
-}
+constexpr std::int64_t kRouteRetryNs = 500'000'000;  // for a route or a server; asking takes as long at most
+constexpr std::int64_t kPatienceNs = 5'000'000'000;  // for frames on their way once stopping
 
 void describe(const drivers::SourceInfo& source, const RectifiedSize& size, const StereoModel& model) {
   spdlog::info(drivers::describe_source(source));
@@ -70,29 +45,6 @@ void describe(const drivers::SourceInfo& source, const RectifiedSize& size, cons
   }
 }
 
-// What becomes of each estimate; runs on the output thread.
-struct Output {
-  Publisher publisher;
-  ImageTap tap;
-  std::optional<TrajectorySink> trajectory;
-  SentCounts sent;
-  Findings findings;
-
-  void operator()(const PublishedFrame& frame) {
-    bool taken = publisher.publish(frame);
-    if (const TappedImages* images = tap.take()) {  // after the pose: nobody steers by a picture
-      taken = publisher.publish(*images) && taken;
-      tap.give_back();
-    }
-    if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
-      spdlog::warn("LCM does not take messages: further ones are only counted");
-    }
-    findings.take(frame.estimate);
-    if (frame.estimate.status == vo::Status::valid) sent.valid.fetch_add(1, std::memory_order_relaxed);
-    if (trajectory) trajectory->append(frame.estimate.stamp_ns, frame.estimate.T_world_camera);
-  }
-};
-
 // As a service it is started while the network comes up, and a vehicle may have none until somebody plugs it in: it
 // waits for a route, and says so. Nothing: asked to stop before there was one.
 Result<std::optional<Publisher>> make_publisher(const Config& config, const Signals& signals, Service& service) {
@@ -107,111 +59,147 @@ Result<std::optional<Publisher>> make_publisher(const Config& config, const Sign
       service.ready();
     }
     service.feed_watchdog();
-    const int signal = signals.wait(kRetryNs);
+    const int signal = signals.wait(kRouteRetryNs);
     if (signal == SIGTERM || signal == SIGINT) return std::optional<Publisher>();
   }
 }
 
-// SIGHUP: what can change while running does, what cannot is named.
-void reload(const DaemonOptions& options, Config& in_force, Output& output, Recording& recording) {
-  const auto config = load(options);
-  if (!config) return report(config.error());
-  if (const auto ok = config->check(); !ok) return report(ok.error());
-  const auto old_keys = list_config(in_force);
-  const auto new_keys = list_config(*config);
-  for (std::size_t i = 0; i < new_keys.size(); ++i) {
-    const auto& [key, value] = new_keys[i];
-    if (value == old_keys[i].second) continue;
-    if (key == "log.level") {
-      set_up_log(config->log_level);
-      spdlog::info("reloaded: {} is now {}", key, value);
-    } else if (key == "lcm.images_rate_hz") {
-      output.tap.set_rate(config->lcm.images_rate_hz);
-      spdlog::info("reloaded: {} is now {}", key, value);
-    } else if (key.starts_with("recording.") && key != "recording.at_start") {
-      recording.configure(config->recording);
-      spdlog::info("reloaded: {} is now {}, from the next recording on", key, value);
-    } else {
-      spdlog::warn("reloaded: {} = {} takes effect at the next start", key, value);
-    }
-  }
-  in_force.log_level = config->log_level;
-  in_force.lcm.images_rate_hz = config->lcm.images_rate_hz;
-  const bool at_start = in_force.recording.at_start;
-  in_force.recording = config->recording;
-  in_force.recording.at_start = at_start;
-  spdlog::info("configuration read again");
+PipelineOptions pipeline_options(const Config& config) {
+  PipelineOptions options;
+  options.speed = config.source.speed;
+  options.errors_are_final = config.source.type != "recording";  // a torn pair is skipped and counted
+  options.stereo.cpu = config.realtime.stereo_cpu;
+  options.stereo.fifo_priority = config.realtime.stereo_priority;
+  options.odometry.cpu = config.realtime.odometry_cpu;
+  options.odometry.fifo_priority = config.realtime.odometry_priority;
+  options.output.fifo_priority = config.realtime.output_priority;
+  options.catch_up_frames = config.realtime.catch_up_frames;
+  return options;
 }
 
-// What the user should know of the rig, once each.
-class Advice {
+// Everything that runs, in the order in which it is built.
+class Daemon {
  public:
-  void give(const Findings& findings, const std::string& source_finding) {
-    const auto [calibration, vehicle_part] = findings.read();
-    if (!source_finding.empty()) {
-      if (!std::exchange(source_told_, true)) spdlog::warn(source_finding);
-      return;  // what else the images seem to say rests on it
-    }
-    if (calibration.noticeable() && !std::exchange(calibration_told_, true)) spdlog::warn(vo::describe(calibration));
-    if (vehicle_part.frames > 0 && !std::exchange(view_told_, true)) spdlog::warn(vo::describe(vehicle_part));
-  }
+  Daemon(const DaemonOptions& options, const Config& config, const Signals& signals)
+      : options_(options), config_(config), signals_(signals), start_(config_, signals_, service_) {}
+
+  // false: asked to stop meanwhile.
+  Result<bool> build();
+  void run();
+  int close();
 
  private:
-  bool calibration_told_ = false;
-  bool view_told_ = false;
-  bool source_told_ = false;
+  Result<bool> open();
+  void start_recording();
+  Result<void> start_pipeline();
+  void reload_config() { reload(options_.config, config_, *output_, *recording_); }
+
+  const DaemonOptions& options_;
+  Config config_;
+  const Signals& signals_;
+  Service service_;
+  StartUp start_;
+  std::unique_ptr<Rig> rig_;
+  std::string description_;
+  bool live_ = false;
+  std::unique_ptr<Output> output_;
+  std::optional<Recording> recording_;
+  std::optional<DaemonWork> work_;
+  std::optional<Pipeline> pipeline_;  // last: its threads use the others
 };
 
-// Once a second.
-void tell(Health& health, const Pipeline& pipeline, Output& output, Recording& recording, Commands& commands,
-          Advice& advice, Service& service) {
-  const health_t& message = health.update(monotonic_ns(), recording.status(), commands.incidents().text());
-  output.publisher.publish(message);
-  commands.set_status(message);
-  advice.give(output.findings, pipeline.source_finding());
-  service.status(health.status_text());
-  spdlog::debug(health.status_text());
+// Source, stages and output; cameras and the network may have to be waited for.
+Result<bool> Daemon::open() {
+  auto rig = start_.try_once();
+  if (!rig) return rig.error();
+  if (start_.stop_asked()) return false;
+  auto publisher = make_publisher(config_, signals_, service_);
+  if (!publisher) return publisher.error();
+  if (!*publisher) return false;
+  if (!*rig) rig = start_.wait(**publisher);
+  if (!rig) return rig.error();
+  if (!*rig) return false;
+  rig_ = std::move(*rig);
+  auto output = Output::make(std::move(**publisher), config_.lcm, rig_->stereo.model(), options_.trajectory);
+  if (!output) return output.error();
+  output_ = std::move(*output);
+  return true;
 }
 
-// Feeds the watchdog, reports, and waits for the end of the source or a signal to stop.
-void watch(Pipeline& pipeline, Output& output, Recording& recording, Commands& commands, const Signals& signals,
-           Service& service, const std::string& source, const std::function<void()>& on_hangup) {
-  Health health(pipeline, output.sent, output.findings, source);
-  Advice advice;
-  std::int64_t next_report_ns = monotonic_ns() + kSecondNs;
-  const auto unharmed = [&commands](const auto& work) {  // a report that fails is no reason to end
-    const auto done = guarded("cliquevod", [&] { return work(), Result<void>(); });
-    if (!done) commands.incidents().add(done.error().line());
-  };
-  while (!pipeline.wait_finished(0)) {
-    const int signal = signals.wait(kTickNs);
-    if (signal == SIGTERM || signal == SIGINT) {
-      spdlog::info("stopping: asked to by signal {}", signal);
-      break;
-    }
-    if (signal == SIGHUP) {
-      service.reloading();
-      unharmed(on_hangup);
-      service.reloaded();
-    }
-    if (health.may_feed_watchdog()) service.feed_watchdog();
-    const std::int64_t now_ns = monotonic_ns();
-    if (now_ns >= next_report_ns) {
-      next_report_ns += kSecondNs * (1 + (now_ns - next_report_ns) / kSecondNs);
-      unharmed([&] { tell(health, pipeline, output, recording, commands, advice, service); });
-    }
-    if (health.ready()) service.ready();
+void Daemon::start_recording() {
+  const drivers::SourceInfo& info = rig_->source->info();
+  recording_.emplace(config_.recording, info, config_.source.speed <= 0.0 && !info.live);
+  if (config_.recording.at_start) {
+    // The odometry is what it is for: without a recording it goes on, and VO_HEALTH says so.
+    if (const auto ok = recording_->start(); !ok) report(ok.error());
   }
-  service.stopping();
-  pipeline.stop();
+  output_->publisher.copy_to([this](const std::string& channel, const std::uint8_t* data, std::size_t size) {
+    recording_->add(channel, data, size);
+  });
+}
+
+Result<void> Daemon::start_pipeline() {
+  schedule_workers(config_.realtime, rig_->stereo);
+  work_.emplace(*rig_, *output_, !config_.lcm.movers_channel.empty());
+  auto examined = examine_first_pairs(std::move(rig_->source), [](const std::string& line) { spdlog::warn(line); });
+  auto pipeline = Pipeline::start(pipeline_options(config_), *work_, record_pairs(std::move(examined), *recording_));
+  if (!pipeline) return pipeline.error();
+  pipeline_.emplace(std::move(*pipeline));
+  for (const std::string& missing : pipeline_->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
+  return {};
+}
+
+Result<bool> Daemon::build() {
+  set_up_log(config_.log_level);
+  if (config_.realtime.lock_memory) {
+    const std::string refused = rt::lock_memory();
+    if (!refused.empty()) spdlog::warn("without real-time rights: memory is not locked: {}", refused);
+  }
+  auto opened = open();
+  if (!opened || !*opened) return opened;
+  const drivers::SourceInfo& info = rig_->source->info();
+  description_ = info.description;
+  live_ = info.live;
+  describe(info, rig_->size, rig_->stereo.model());
+  spdlog::info("sending {}, {} and {} to {}", config_.lcm.delta_channel, config_.lcm.pose_channel,
+               config_.lcm.status_channel, config_.lcm.url);
+  start_recording();
+  if (auto ok = start_pipeline(); !ok) return ok.error();
+  return true;
+}
+
+void Daemon::run() {
+  Commands commands(*pipeline_, *recording_);
+  commands.listen(config_);
+  if (start_.reload_asked()) reload_config();
+  watch({*pipeline_, *output_, *recording_, commands, service_, description_}, signals_, [this] { reload_config(); });
+}
+
+int Daemon::close() {
+  if (!pipeline_->wait_finished(kPatienceNs)) {
+    report({"a stage does not end", description_, "the daemon ends without the frames on their way"});
+    std::fflush(nullptr);
+    std::_Exit(kBadInput);  // its thread cannot be joined
+  }
+  if (const auto ok = recording_->stop(); !ok) report(ok.error());
+  const PipelineCounts counts = pipeline_->counts();
+  spdlog::info("{} frames: {} poses sent ({} valid), {} dropped, {} rejected", counts.grabbed, counts.published,
+               output_->sent.valid.load(), counts.dropped, counts.rejected);
+  if (!live_ && counts.source_errors > 0) spdlog::warn("{} pairs of the recording skipped", counts.source_errors);
+  if (const std::string finding = pipeline_->source_finding(); !finding.empty()) spdlog::warn(finding);
+  int exit_code = kDone;
+  if (output_->trajectory) {
+    if (const auto ok = output_->trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);
+  }
+  if (const auto ok = pipeline_->outcome(); !ok) exit_code = (report(ok.error()), kBadInput);
+  return exit_code;
 }
 
 }  // namespace
 
 int check(const DaemonOptions& options) {
-  const auto config = load(options);
+  const auto config = load_config(options.config);
   if (!config) return report(config.error()), kBadInput;
-  if (const auto ok = config->check(); !ok) return report(ok.error()), kBadInput;
   drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
   Config tried = *config;
   tried.rectify.scale = config->rectify.scale.value_or(1.0);  // what this machine keeps up with is the doctor's to say
@@ -224,108 +212,15 @@ int check(const DaemonOptions& options) {
 
 int run(const DaemonOptions& options) {
   const Signals signals;
-  Service service;
-  auto config = load(options);
+  auto config = load_config(options.config);
   if (!config) return report(config.error()), kBadInput;
-  if (const auto ok = config->check(); !ok) return report(ok.error()), kBadInput;
-  set_up_log(config->log_level);
-  if (config->realtime.lock_memory) {
-    const std::string refused = rt::lock_memory();
-    if (!refused.empty()) spdlog::warn("without real-time rights: memory is not locked: {}", refused);
-  }
-
   config->source.cameras.patience_s = 0.0;  // it waits itself, and says for what
-  StartUp start(*config, signals, service);
-  auto rig = start.try_once();
-  if (!rig) return report(rig.error()), kBadInput;
-  if (start.stop_asked()) return kDone;
-  auto publisher = make_publisher(*config, signals, service);
-  if (!publisher) return report(publisher.error()), kBadInput;
-  if (!*publisher) return kDone;
-  if (!*rig) rig = start.wait(**publisher);
-  if (!rig) return report(rig.error()), kBadInput;
-  if (!*rig) return kDone;
-  Rig& shop = **rig;
-  const drivers::SourceInfo& info = shop.source->info();
-  const StereoModel& model = shop.stereo.model();
-  Output output{std::move(**publisher),
-                {model.width, model.height, config->lcm.images_channel.empty() ? 0.0 : config->lcm.images_rate_hz},
-                std::nullopt,
-                {},
-                {}};
-  if (!options.trajectory.empty()) {
-    auto trajectory = TrajectorySink::open(options.trajectory);
-    if (!trajectory) return report(trajectory.error()), kBadInput;
-    output.trajectory.emplace(std::move(*trajectory));
-  }
-  describe(info, shop.size, model);
-  spdlog::info("sending {}, {} and {} to {}", config->lcm.delta_channel, config->lcm.pose_channel,
-               config->lcm.status_channel, config->lcm.url);
-
-  Recording recording(config->recording, info, config->source.speed <= 0.0 && !info.live);
-  if (config->recording.at_start) {
-    // The odometry is what it is for: without a recording it goes on, and VO_HEALTH says so.
-    if (const auto ok = recording.start(); !ok) report(ok.error());
-  }
-  output.publisher.copy_to([&recording](const std::string& channel, const std::uint8_t* data, std::size_t size) {
-    recording.add(channel, data, size);
-  });
-
-  schedule_workers(config->realtime, shop.stereo);
-  PipelineWork work;
-  work.prepare = [&shop](FrameSlot& slot) { shop.stereo.prepare(slot.frame); };
-  work.stereo = [&shop](FrameSlot& slot) { return shop.stereo.run(slot.pair, slot.frame); };
-  work.odometry = [&shop, &output](FrameSlot& slot) {
-    auto done = shop.odometry.run(slot.pair.stamp_ns, slot.frame);
-    output.tap.offer(slot.pair.stamp_ns, slot.frame.left.cview(), slot.frame.disparity.cview());
-    return done;
-  };
-  work.estimate = [&shop]() -> const vo::Estimate& { return shop.odometry.estimate(); };
-  if (!config->lcm.movers_channel.empty()) {
-    work.movers = [&shop]() -> const vo::Movers& { return shop.odometry.movers(); };
-  }
-  work.reset = [&shop] { shop.odometry.reset(); };
-  work.output = [&output](const PublishedFrame& frame) { output(frame); };
-  PipelineOptions pipeline_options;
-  pipeline_options.speed = config->source.speed;
-  pipeline_options.errors_are_final = config->source.type != "recording";  // a torn pair is skipped and counted
-  pipeline_options.stereo.cpu = config->realtime.stereo_cpu;
-  pipeline_options.stereo.fifo_priority = config->realtime.stereo_priority;
-  pipeline_options.odometry.cpu = config->realtime.odometry_cpu;
-  pipeline_options.odometry.fifo_priority = config->realtime.odometry_priority;
-  pipeline_options.output.fifo_priority = config->realtime.output_priority;
-  pipeline_options.catch_up_frames = config->realtime.catch_up_frames;
-  const std::string description = info.description;
-  const bool info_live = info.live;
-  auto examined = examine_first_pairs(std::move(shop.source), [](const std::string& line) { spdlog::warn(line); });
-  auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(examined), recording));
-  if (!pipeline) return report(pipeline.error()), kBadInput;
-  for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
-
-  {
-    Commands commands(*pipeline, recording);
-    commands.listen(*config);
-    if (start.reload_asked()) reload(options, *config, output, recording);
-    watch(*pipeline, output, recording, commands, signals, service, description,
-          [&] { reload(options, *config, output, recording); });
-  }
-  if (!pipeline->wait_finished(kPatienceNs)) {
-    report({"a stage does not end", description, "the daemon ends without the frames on their way"});
-    std::fflush(nullptr);
-    std::_Exit(kBadInput);  // its thread cannot be joined
-  }
-  if (const auto ok = recording.stop(); !ok) report(ok.error());
-  const PipelineCounts counts = pipeline->counts();
-  spdlog::info("{} frames: {} poses sent ({} valid), {} dropped, {} rejected", counts.grabbed, counts.published,
-               output.sent.valid.load(), counts.dropped, counts.rejected);
-  if (!info_live && counts.source_errors > 0) spdlog::warn("{} pairs of the recording skipped", counts.source_errors);
-  if (const std::string finding = pipeline->source_finding(); !finding.empty()) spdlog::warn(finding);
-  int exit_code = kDone;
-  if (output.trajectory) {
-    if (const auto ok = output.trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);
-  }
-  if (const auto ok = pipeline->outcome(); !ok) exit_code = (report(ok.error()), kBadInput);
-  return exit_code;
+  Daemon daemon(options, *config, signals);
+  const auto built = daemon.build();
+  if (!built) return report(built.error()), kBadInput;
+  if (!*built) return kDone;
+  daemon.run();
+  return daemon.close();
 }
 
 }  // namespace cliquevo::daemon

@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
+#include "core/base/clock.h"
 #include "core/base/printable.h"
-#include "daemon/clock.h"
+#include "daemon/lcm/messages.h"
 #include "daemon/machine.h"
-#include "daemon/messages.h"
 
 namespace cliquevo::daemon {
 
@@ -29,11 +29,11 @@ double rate(std::int64_t count, std::int64_t span_ns) {
 
 }  // namespace
 
-Health::Health(const Pipeline& pipeline, const SentCounts& sent, const Findings& findings,
+Health::Health(const Pipeline& pipeline, const SentCounts& sent, const LatestDiagnostics& diagnostics,
                std::string source_description)
     : pipeline_(pipeline),
       sent_(sent),
-      findings_(findings),
+      diagnostics_(diagnostics),
       source_(printable(source_description)),
       start_ns_(monotonic_ns()),
       last_update_ns_(start_ns_),
@@ -41,7 +41,7 @@ Health::Health(const Pipeline& pipeline, const SentCounts& sent, const Findings&
       last_histograms_(kSpans) {}
 
 bool Health::may_feed_watchdog() const {
-  for (const Stage stage : {Stage::stereo, Stage::odometry, Stage::output}) {
+  for (const StageId stage : {StageId::stereo, StageId::odometry, StageId::output}) {
     if (pipeline_.standing_still_ns(stage) > kStillNs) return false;
   }
   return true;
@@ -53,7 +53,7 @@ bool Health::ready() const {
 
 void Health::judge(std::int64_t grabbed_now, std::int64_t sent_now) {
   const std::int64_t silent_ns = last_update_ns_ - last_frame_ns_;
-  for (const Stage stage : {Stage::stereo, Stage::odometry, Stage::output}) {
+  for (const StageId stage : {StageId::stereo, StageId::odometry, StageId::output}) {
     if (pipeline_.standing_still_ns(stage) <= kStillNs) continue;
     message_.state = health_t::STALLED;
     message_.state_text = fmt::format("stalled: the {} stage does not get on", stage_name(stage));
@@ -93,8 +93,8 @@ void Health::fill_latencies(health_t& out) {
   out.num_stages = static_cast<std::int32_t>(out.stage_name.size());
 }
 
-void Health::fill_findings(health_t& out) const {
-  const auto [calibration, vehicle_part] = findings_.read();
+void Health::fill_diagnostics(health_t& out) const {
+  const auto [calibration, vehicle_part] = diagnostics_.read();
   // What the calibration seems to be off by means nothing then.
   const std::string finding = pipeline_.source_finding();
   out.calibration_text = finding.empty() ? vo::describe(calibration) : "not checked: " + finding;
@@ -135,7 +135,7 @@ const health_t& Health::update(std::int64_t now_mono_ns, const std::string& reco
   out.send_errors = sent_.send_errors.load(std::memory_order_relaxed) + counts.unsent;
   out.resets = counts.resets;
   fill_latencies(out);
-  fill_findings(out);
+  fill_diagnostics(out);
   out.resident_bytes = resident_bytes();
   out.temperature_name.clear();
   out.temperature_c.clear();

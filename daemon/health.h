@@ -2,51 +2,25 @@
 // How the daemon gets on: once a second a message and a line for systemd; at any time, whether its watchdog may be fed.
 #pragma once
 
-#include <atomic>
 #include <cstdint>
-#include <mutex>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <cliquevo/health_t.hpp>
 
 #include "core/rt/histogram.h"
-#include "daemon/pipeline.h"
+#include "daemon/diagnostics.h"
+#include "daemon/threads/pipeline.h"
 
 namespace cliquevo::daemon {
-
-// Counted by the output thread, read by the main one.
-struct SentCounts {
-  std::atomic<std::int64_t> valid{0};
-  std::atomic<std::int64_t> send_errors{0};
-};
-
-// What the estimates say of the cameras; written by the output thread, read by the main one.
-class Findings {
- public:
-  void take(const vo::Estimate& estimate) {
-    const std::lock_guard guard(mutex_);
-    calibration_ = estimate.calibration;
-    vehicle_part_ = estimate.vehicle_part;
-  }
-  std::pair<vo::CalibrationCheck, vo::VehiclePart> read() const {
-    const std::lock_guard guard(mutex_);
-    return {calibration_, vehicle_part_};
-  }
-
- private:
-  mutable std::mutex mutex_;
-  vo::CalibrationCheck calibration_;
-  vo::VehiclePart vehicle_part_;
-};
 
 class Health {
  public:
   // A stage that has had work for longer without finishing any stands still.
   static constexpr std::int64_t kStillNs = 1'000'000'000;
 
-  Health(const Pipeline& pipeline, const SentCounts& sent, const Findings& findings, std::string source_description);
+  Health(const Pipeline& pipeline, const SentCounts& sent, const LatestDiagnostics& diagnostics,
+         std::string source_description);
 
   // Fed by progress, not by time: false while a stage with work stands still. A source that sends nothing is no reason:
   // it is waited for, and reported.
@@ -62,11 +36,11 @@ class Health {
  private:
   void judge(std::int64_t grabbed_now, std::int64_t sent_now);
   void fill_latencies(health_t& out);
-  void fill_findings(health_t& out) const;
+  void fill_diagnostics(health_t& out) const;
 
   const Pipeline& pipeline_;
   const SentCounts& sent_;
-  const Findings& findings_;
+  const LatestDiagnostics& diagnostics_;
   std::string source_;
   std::int64_t start_ns_;
   std::int64_t last_update_ns_;

@@ -9,7 +9,7 @@
 #include <spdlog/spdlog.h>
 
 #include "core/base/printable.h"
-#include "daemon/standard_streams.h"
+#include "core/base/standard_streams.h"
 
 namespace cliquevo::daemon {
 

@@ -5,10 +5,10 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/caught.h"
+#include "core/base/standard_streams.h"
 #include "daemon/daemon.h"
 #include "daemon/log.h"
-#include "daemon/source.h"
-#include "daemon/standard_streams.h"
+#include "daemon/pipeline/source.h"
 
 namespace {
 
@@ -39,16 +39,16 @@ int run_line(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  keep_standard_streams();
+  cliquevo::keep_standard_streams();
   int exit_code = kBadInput;
   try {
     exit_code = run_line(argc, argv);
   } catch (...) {  // out of memory, a library at its end
-    print_error_line(cliquevo::caught("cliquevod").line());
+    cliquevo::print_error_line(cliquevo::caught("cliquevod").line());
     return kBadInput;
   }
-  if (const auto ok = flush_stdout(); !ok && exit_code == kDone) {
-    print_error_line(ok.error().line());
+  if (const auto ok = cliquevo::flush_stdout(); !ok && exit_code == kDone) {
+    cliquevo::print_error_line(ok.error().line());
     return kBadInput;
   }
   return exit_code;

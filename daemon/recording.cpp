@@ -13,8 +13,8 @@
 #include <spdlog/spdlog.h>
 
 #include "core/base/caught.h"
+#include "core/base/clock.h"
 #include "core/base/printable.h"
-#include "daemon/clock.h"
 #include "daemon/log_names.h"
 
 namespace cliquevo::daemon {

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "daemon/config.h"
+#include "daemon/pipeline/config.h"
 #include "drivers/frame_source.h"
 #include "drivers/recorder.h"
 

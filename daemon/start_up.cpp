@@ -13,9 +13,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include "daemon/clock.h"
-#include "daemon/messages.h"
-#include "daemon/source.h"
+#include "core/base/clock.h"
+#include "daemon/lcm/messages.h"
+#include "daemon/pipeline/source.h"
 
 namespace cliquevo::daemon {
 

@@ -11,12 +11,12 @@
 
 #include <cliquevo/health_t.hpp>
 
-#include "daemon/config.h"
-#include "daemon/publisher.h"
-#include "daemon/rectified_size.h"
+#include "daemon/lcm/publisher.h"
+#include "daemon/pipeline/config.h"
+#include "daemon/pipeline/rectified_size.h"
+#include "daemon/pipeline/stages.h"
 #include "daemon/service.h"
 #include "daemon/signals.h"
-#include "daemon/stages.h"
 #include "drivers/frame_source.h"
 
 namespace cliquevo::daemon {

@@ -7,7 +7,7 @@
 #include "core/base/caught.h"
 #include "core/rt/ring.h"
 #include "core/rt/thread.h"
-#include "daemon/trajectory_file.h"
+#include "daemon/pipeline/trajectory_file.h"
 
 namespace cliquevo::daemon {
 

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "drivers/camera_options.h"
+#include "drivers/live/camera_options.h"
 
 namespace cliquevo::drivers {
 

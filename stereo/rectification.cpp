@@ -109,6 +109,41 @@ struct Pair {
   }
 };
 
+// The shortest rotation that brings the direction to the X axis.
+Eigen::Matrix3d turn_to_x(const Eigen::Vector3d& direction) {
+  const Eigen::Vector3d axis = direction.cross(Eigen::Vector3d::UnitX());
+  const double sine = axis.norm();
+  const Eigen::Vector3d level = sine > 1e-12 ? Eigen::Vector3d(axis / sine * std::asin(std::min(1.0, sine)))
+                                             : Eigen::Vector3d(Eigen::Vector3d::Zero());
+  return so3_exp(level);
+}
+
+// The shortest focal length that leaves no border without a source; moves the middle where that lets it show more.
+double fit_focal_length(const Pair& pair, const StereoCalibration& calibration, Eigen::Vector2d& middle) {
+  const CameraCalibration& l = calibration.left;
+  const CameraCalibration& r = calibration.right;
+  const double raw_f =
+      0.25 * (l.fx_px * central_scale(l) + l.fy_px * central_scale(l) + r.fx_px * central_scale(r) * l.width / r.width +
+              r.fy_px * central_scale(r) * l.width / r.width);
+  const double widest = 0.5 * (calibration.left.width - 1) / std::tan(radians(0.5 * RectifyParams::kMostFovDeg));
+  const double shortest = std::max(0.75 * raw_f, widest);
+  const double longest = std::max(1.5 * raw_f, widest);
+  double f = pair.shortest_focal_length(shortest, longest, middle.x(), middle.y());
+  for (double step = 0.05; step > 1e-4 && f > shortest; step *= 0.5) {
+    for (const Eigen::Vector2d& d :
+         {Eigen::Vector2d(step, 0), Eigen::Vector2d(-step, 0), Eigen::Vector2d(0, step), Eigen::Vector2d(0, -step)}) {
+      const Eigen::Vector2d trial = middle + d;
+      const double f_trial = pair.shortest_focal_length(shortest, longest, trial.x(), trial.y());
+      if (f_trial < f) {
+        f = f_trial;
+        middle = trial;
+      }
+    }
+  }
+  if (f > longest) f = std::max(raw_f, widest);  // borders cannot be avoided: keep the pixels' size at least
+  return f;
+}
+
 Result<PrescribedRectification> own_rectification(const StereoCalibration& calibration) {
   const RigidTransform& T = calibration.T_right_left;
   const Eigen::Vector3d turn = so3_log(T.R);
@@ -119,11 +154,7 @@ Result<PrescribedRectification> own_rectification(const StereoCalibration& calib
   const Eigen::Vector3d e = baseline.normalized();
   if (e.x() < 0.0) return bad(calibration, "the right eye is left of the left one (are the eyes swapped?)");
   if (e.x() < 0.7) return bad(calibration, "the eyes are not side by side");
-  const Eigen::Vector3d axis = e.cross(Eigen::Vector3d::UnitX());
-  const double sine = axis.norm();
-  const Eigen::Vector3d level = sine > 1e-12 ? Eigen::Vector3d(axis / sine * std::asin(std::min(1.0, sine)))
-                                             : Eigen::Vector3d(Eigen::Vector3d::Zero());
-  const Eigen::Matrix3d R_level = so3_exp(level);
+  const Eigen::Matrix3d R_level = turn_to_x(e);
 
   PrescribedRectification out;
   out.R_left = R_level * half;
@@ -141,28 +172,7 @@ Result<PrescribedRectification> own_rectification(const StereoCalibration& calib
   if (m_left.z() < 0.2 || m_right.z() < 0.2) return bad(calibration, "an eye looks along the baseline");
   Eigen::Vector2d middle = 0.5 * (m_left.head<2>() / m_left.z() + m_right.head<2>() / m_right.z());
 
-  const CameraCalibration& l = calibration.left;
-  const CameraCalibration& r = calibration.right;
-  const double raw_f =
-      0.25 * (l.fx_px * central_scale(l) + l.fy_px * central_scale(l) + r.fx_px * central_scale(r) * l.width / r.width +
-              r.fy_px * central_scale(r) * l.width / r.width);
-  const double widest = 0.5 * (calibration.left.width - 1) / std::tan(radians(0.5 * RectifyParams::kMostFovDeg));
-  const double shortest = std::max(0.75 * raw_f, widest);
-  const double longest = std::max(1.5 * raw_f, widest);
-  double f = pair.shortest_focal_length(shortest, longest, middle.x(), middle.y());
-  // The image may sit off the middle when that lets it show more.
-  for (double step = 0.05; step > 1e-4 && f > shortest; step *= 0.5) {
-    for (const Eigen::Vector2d& d :
-         {Eigen::Vector2d(step, 0), Eigen::Vector2d(-step, 0), Eigen::Vector2d(0, step), Eigen::Vector2d(0, -step)}) {
-      const Eigen::Vector2d trial = middle + d;
-      const double f_trial = pair.shortest_focal_length(shortest, longest, trial.x(), trial.y());
-      if (f_trial < f) {
-        f = f_trial;
-        middle = trial;
-      }
-    }
-  }
-  if (f > longest) f = std::max(raw_f, widest);  // borders cannot be avoided: keep the pixels' size at least
+  const double f = fit_focal_length(pair, calibration, middle);
 
   StereoModel& m = out.model;
   m.width = calibration.left.width;

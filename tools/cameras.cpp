@@ -14,19 +14,11 @@
 
 #include "core/base/caught.h"
 #include "core/base/printable.h"
-#include "daemon/source.h"
-#include "drivers/camera_options.h"
+#include "daemon/pipeline/camera_families.h"
+#include "daemon/pipeline/source.h"
+#include "drivers/live/camera_options.h"
 #include "tools/camera_run.h"
 #include "tools/exit_code.h"
-#ifdef CLIQUEVO_ARAVIS
-#include "drivers/aravis.h"
-#endif
-#ifdef CLIQUEVO_LIBCAMERA
-#include "drivers/libcamera.h"
-#endif
-#ifdef CLIQUEVO_V4L2
-#include "drivers/v4l2.h"
-#endif
 
 namespace cliquevo::tools {
 
@@ -36,15 +28,10 @@ using drivers::SeenCamera;
 
 std::vector<SeenCamera> list_all() {
   std::vector<SeenCamera> out;
-#ifdef CLIQUEVO_ARAVIS
-  for (SeenCamera& camera : drivers::list_aravis()) out.push_back(std::move(camera));
-#endif
-#ifdef CLIQUEVO_V4L2
-  for (SeenCamera& camera : drivers::list_v4l2()) out.push_back(std::move(camera));
-#endif
-#ifdef CLIQUEVO_LIBCAMERA
-  for (SeenCamera& camera : drivers::list_libcamera()) out.push_back(std::move(camera));
-#endif
+  for (const daemon::CameraFamily& family : daemon::camera_families()) {
+    if (!family.is_built_in()) continue;
+    for (SeenCamera& camera : family.list()) out.push_back(std::move(camera));
+  }
   return out;
 }
 

@@ -7,8 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/base/printable.h"
-#include "daemon/config.h"
-#include "daemon/control_client.h"
+#include "daemon/control/control_client.h"
+#include "daemon/pipeline/config.h"
 #include "tools/exit_code.h"
 
 namespace cliquevo::tools {

@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "core/base/time.h"
+#include "drivers/images/image_reader.h"
 #include "drivers/images/png_writer.h"
-#include "drivers/recording/image_reader.h"
 #include "stereo/dense_stereo.h"
 #include "tools/commands.h"
 #include "tools/exit_code.h"

@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
-#include "daemon/trajectory_file.h"
+#include "daemon/pipeline/trajectory_file.h"
 
 namespace cliquevo::tools {
 

@@ -12,11 +12,11 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "daemon/config.h"
-#include "daemon/lcm_url.h"
-#include "daemon/rectified_size.h"
-#include "daemon/source.h"
-#include "daemon/stages.h"
+#include "daemon/lcm/lcm_url.h"
+#include "daemon/pipeline/config.h"
+#include "daemon/pipeline/rectified_size.h"
+#include "daemon/pipeline/source.h"
+#include "daemon/pipeline/stages.h"
 
 namespace cliquevo::tools {
 

@@ -3,15 +3,15 @@
 
 #include <string>
 
-#include "daemon/standard_streams.h"
+#include "core/base/standard_streams.h"
 
 namespace cliquevo::tools {
 
 int report(const Error& error, ExitCode code) {
-  daemon::print_error_line(error.line());
+  print_error_line(error.line());
   return code;
 }
 
-void warn(const Error& error) { daemon::print_error_line("warning: " + error.line()); }
+void warn(const Error& error) { print_error_line("warning: " + error.line()); }
 
 }  // namespace cliquevo::tools

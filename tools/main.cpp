@@ -6,7 +6,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/caught.h"
-#include "daemon/standard_streams.h"
+#include "core/base/standard_streams.h"
 #include "tools/cameras.h"
 #include "tools/commands.h"
 #include "tools/ctl.h"
@@ -21,7 +21,6 @@
 namespace {
 
 using namespace cliquevo::tools;
-namespace daemon = cliquevo::daemon;
 
 // The sub-command the line names, for "see ... --help".
 std::string command_name(const CLI::App& app) {
@@ -48,6 +47,7 @@ int run(int argc, char** argv) {
 #ifdef CLIQUEVO_ARAVIS
   add_hil_command(app, exit_code);
 #endif
+  add_config_command(app, exit_code);
   add_ctl_command(app, exit_code);
   add_doctor_command(app, exit_code);
   add_spy_command(app, exit_code);
@@ -67,13 +67,13 @@ int run(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  daemon::keep_standard_streams();
+  cliquevo::keep_standard_streams();
   int exit_code = kBadInput;
   try {
     exit_code = run(argc, argv);
   } catch (...) {  // out of memory, a library at its end
     return report(cliquevo::caught("cliquevo"));
   }
-  if (const auto ok = daemon::flush_stdout(); !ok && exit_code == kDone) return report(ok.error());
+  if (const auto ok = cliquevo::flush_stdout(); !ok && exit_code == kDone) return report(ok.error());
   return exit_code;
 }

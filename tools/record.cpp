@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
-#include "daemon/pacer.h"
-#include "daemon/source.h"
+#include "daemon/pipeline/pacer.h"
+#include "daemon/pipeline/source.h"
 #include "drivers/describe.h"
 #include "drivers/recorder.h"
 #include "tools/exit_code.h"
@@ -43,16 +43,6 @@ Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& argume
   }
   if (!arguments.source.text.empty()) return open_source(arguments.source, config.source);
   return daemon::open_source_within(config.source, arguments.wait_s, StopOnSignal::asked);
-}
-
-// Sleeps in short steps, so that a signal is soon heard.
-void wait_until(std::int64_t due_mono_ns) {
-  while (!StopOnSignal::asked()) {
-    const std::int64_t left_ns = std::min<std::int64_t>(due_mono_ns - monotonic_ns(), 50'000'000);
-    if (left_ns <= 0) return;
-    const timespec pause = {0, static_cast<long>(left_ns)};
-    nanosleep(&pause, nullptr);
-  }
 }
 
 int run(const RecordArguments& arguments) {
@@ -95,7 +85,7 @@ int run(const RecordArguments& arguments) {
       continue;
     }
     if (!*more) break;
-    if (!info.live && arguments.speed > 0.0) wait_until(pacer.due_ns(pair.stamp_ns, monotonic_ns()));
+    if (!info.live && arguments.speed > 0.0) StopOnSignal::sleep_until(pacer.due_ns(pair.stamp_ns, monotonic_ns()));
     if (!first_ns) first_ns = pair.stamp_ns;
     if (arguments.seconds > 0.0 && static_cast<double>(pair.stamp_ns - *first_ns) * 1e-9 >= arguments.seconds) break;
     recorder->add(pair, drivers::log_utime(info, pair));

@@ -113,6 +113,35 @@ RunPicture picture_of(const ReplayArguments& arguments, const RunLog& log,
   return out;
 }
 
+// Statistics and picture; the first error of them.
+Result<void> write_end_files(const ReplayArguments& arguments, EndFiles& files, const RunLog& log,
+                             const std::string& stats, const std::optional<RunReference>& reference) {
+  Result<void> written;
+  if (files.stats) written = files.stats->write(stats);
+  if (!files.plot || log.frames().empty()) return written;
+  const auto png = draw_plot(picture_of(arguments, log, reference));
+  const Result<void> drawn = png ? files.plot->write(*png) : Result<void>(png.error());
+  return written ? drawn : written;
+}
+
+// The exit code of a run that got to its end.
+int judge(const ReplayArguments& arguments, const RunLog& log) {
+  if (log.frames().empty() && !log.skipped().empty()) {
+    return report({"no pair could be played", arguments.source.text,
+                   "see the first: " + log.skipped().entries().front().error.line()});
+  }
+  if (log.frames().empty()) return report({"no pair to play", arguments.source.text, "choose other pairs"});
+  const std::vector<std::size_t> failed = log.failed();
+  if (arguments.strict && !failed.empty()) {
+    const FrameRecord& first = log.frames()[failed.front()];
+    return report({fmt::format("{} of {} frames failed", failed.size(), log.frames().size()),
+                   fmt::format("first at pair {} ({})", first.index, vo::status_name(first.estimate.status)),
+                   "without --strict this is accepted"},
+                  kNotStrictEnough);
+  }
+  return kDone;
+}
+
 int run(const ReplayArguments& arguments) {
   if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
   daemon::Config config = daemon::default_config();
@@ -151,31 +180,12 @@ int run(const ReplayArguments& arguments) {
     fmt::print("{}", log.summary(end.wall_s, reference));
     if (const std::string remarks = (*source)->status(); !remarks.empty()) fmt::print("source: {}\n", remarks);
   }
-  if (files->stats) {
-    if (auto ok = files->stats->write(log.stats_json(info, pipeline->model(), end.wall_s, reference)); !ok) {
-      fail(ok.error());
-    }
+  if (auto ok = write_end_files(arguments, *files, log, log.stats_json(info, pipeline->model(), end.wall_s, reference),
+                                reference);
+      !ok) {
+    fail(ok.error());
   }
-  if (files->plot && !log.frames().empty()) {
-    const auto png = draw_plot(picture_of(arguments, log, reference));
-    const Result<void> drawn = png ? files->plot->write(*png) : Result<void>(png.error());
-    if (!drawn) fail(drawn.error());
-  }
-  if (exit_code != kDone) return exit_code;
-  if (log.frames().empty() && !log.skipped().empty()) {
-    return report({"no pair could be played", arguments.source.text,
-                   "see the first: " + log.skipped().entries().front().error.line()});
-  }
-  if (log.frames().empty()) return report({"no pair to play", arguments.source.text, "choose other pairs"});
-  const std::vector<std::size_t> failed = log.failed();
-  if (arguments.strict && !failed.empty()) {
-    const FrameRecord& first = log.frames()[failed.front()];
-    return report({fmt::format("{} of {} frames failed", failed.size(), log.frames().size()),
-                   fmt::format("first at pair {} ({})", first.index, vo::status_name(first.estimate.status)),
-                   "without --strict this is accepted"},
-                  kNotStrictEnough);
-  }
-  return kDone;
+  return exit_code != kDone ? exit_code : judge(arguments, log);
 }
 
 // "max" or a positive number.

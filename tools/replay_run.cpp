@@ -2,12 +2,10 @@
 #include "tools/replay_run.h"
 
 #include <algorithm>
-#include <cerrno>
-#include <cmath>
-#include <ctime>
 
 #include <fmt/format.h>
 
+#include "daemon/pipeline/pacer.h"
 #include "tools/exit_code.h"
 #include "tools/progress.h"
 #include "tools/stop_on_signal.h"
@@ -15,32 +13,6 @@
 namespace cliquevo::tools {
 
 namespace {
-
-// Holds frames back to `speed` times the pace of their stamps.
-class Pace {
- public:
-  explicit Pace(double speed) : speed_(speed) {}
-
-  void wait_for(TimestampNs stamp_ns) {
-    if (speed_ <= 0.0) return;
-    if (!begun_) {
-      begun_ = true;
-      first_stamp_ns_ = stamp_ns;
-      begin_ns_ = monotonic_ns();
-    }
-    const double since_first_ns = static_cast<double>(stamp_ns - first_stamp_ns_);
-    constexpr double kMostNs = 1e18;
-    const std::int64_t due_ns = begin_ns_ + std::llround(std::clamp(since_first_ns / speed_, 0.0, kMostNs));
-    const timespec due = {static_cast<time_t>(due_ns / 1'000'000'000), static_cast<long>(due_ns % 1'000'000'000)};
-    while (!StopOnSignal::asked() && clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &due, nullptr) == EINTR) continue;
-  }
-
- private:
-  double speed_;
-  bool begun_ = false;
-  TimestampNs first_stamp_ns_ = 0;
-  std::int64_t begin_ns_ = 0;
-};
 
 // What happens with a processed frame.
 Result<void> hand_out(const FrameRecord& record, const vo::Movers& movers, ReplayOutputs& outputs, bool& warned) {
@@ -79,7 +51,7 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
                      RunLog& log) {
   const StopOnSignal signals;
   Progress progress(source.info().frame_count);
-  Pace pace(outputs.speed);
+  daemon::Pacer pacer(outputs.speed > 0.0 ? outputs.speed : 1.0);
   drivers::StereoPair pair;
   std::optional<RigidTransform> T_first_world;  // truth starts at the first frame played
   std::optional<Error> error;
@@ -105,7 +77,7 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
       continue;
     }
     if (!*read) break;
-    pace.wait_for(pair.stamp_ns);
+    if (outputs.speed > 0.0) StopOnSignal::sleep_until(pacer.due_ns(pair.stamp_ns, monotonic_ns()));
 
     if (auto done = pipeline.process(pair); !done) {
       error = done.error();

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "core/base/result.h"
-#include "daemon/config.h"
-#include "daemon/frame_pipeline.h"
-#include "daemon/publisher.h"
-#include "daemon/trajectory_file.h"
+#include "daemon/lcm/publisher.h"
+#include "daemon/pipeline/config.h"
+#include "daemon/pipeline/frame_pipeline.h"
+#include "daemon/pipeline/trajectory_file.h"
 #include "drivers/frame_source.h"
 #include "tools/run_log.h"
 

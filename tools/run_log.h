@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/vo/visual_odometry.h"
-#include "daemon/frame_pipeline.h"
+#include "daemon/pipeline/frame_pipeline.h"
 #include "drivers/frame_source.h"
 #include "tools/evaluation.h"
 #include "tools/skipped_pairs.h"

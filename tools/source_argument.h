@@ -10,7 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include "core/base/result.h"
-#include "daemon/config.h"
+#include "daemon/pipeline/config.h"
 #include "drivers/calibration_file.h"
 #include "drivers/frame_source.h"
 

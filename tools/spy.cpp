@@ -13,7 +13,7 @@
 #include <fmt/format.h>
 
 #include "core/base/result.h"
-#include "daemon/config.h"
+#include "daemon/pipeline/config.h"
 #include "tools/exit_code.h"
 
 namespace cliquevo::tools {

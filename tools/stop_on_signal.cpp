@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/stop_on_signal.h"
 
+#include <algorithm>
+#include <ctime>
+
+#include "core/base/time.h"
+
 namespace cliquevo::tools {
 
 namespace {
@@ -24,5 +29,15 @@ StopOnSignal::~StopOnSignal() {
 }
 
 bool StopOnSignal::asked() { return stop_signal != 0; }
+
+void StopOnSignal::sleep_until(std::int64_t due_mono_ns) {
+  constexpr std::int64_t kStepNs = 50'000'000;  // a signal that comes just before the sleep begins does not end it
+  while (!asked()) {
+    const std::int64_t left_ns = std::min(due_mono_ns - monotonic_ns(), kStepNs);
+    if (left_ns <= 0) return;
+    const timespec pause = {0, static_cast<long>(left_ns)};
+    nanosleep(&pause, nullptr);
+  }
+}
 
 }  // namespace cliquevo::tools

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <csignal>
+#include <cstdint>
 
 namespace cliquevo::tools {
 
@@ -14,6 +15,8 @@ class StopOnSignal {
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
   static bool asked();
+  // Sleeps until monotonic_ns() is so far, or it is asked to stop.
+  static void sleep_until(std::int64_t due_mono_ns);
 
  private:
   struct sigaction old_interrupt_ = {};

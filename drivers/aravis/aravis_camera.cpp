@@ -12,7 +12,7 @@
 #include <fmt/ranges.h>
 
 #include "drivers/aravis/stream_guard.h"
-#include "drivers/recording/bytes.h"
+#include "drivers/bytes.h"
 
 namespace cliquevo::drivers {
 

@@ -11,8 +11,8 @@
 #include "core/base/result.h"
 #include "drivers/aravis/aravis_samples.h"
 #include "drivers/aravis/handles.h"
-#include "drivers/camera_options.h"
 #include "drivers/images/bayer.h"
+#include "drivers/live/camera_options.h"
 
 namespace cliquevo::drivers {
 

@@ -17,9 +17,10 @@
 #include <fmt/format.h>
 
 #include "core/base/caught.h"
+#include "core/base/clock.h"
 #include "drivers/aravis.h"
 #include "drivers/aravis/aravis_camera.h"
-#include "drivers/live_pairs.h"
+#include "drivers/live/live_pairs.h"
 
 namespace cliquevo::drivers {
 
@@ -34,11 +35,6 @@ constexpr std::uint64_t kTakeUs = 100'000;
 constexpr std::int64_t kFollowNs = 500'000'000;  // how often the right eye takes over the left one's exposure
 constexpr double kMostSkewS = 0.005;
 constexpr std::uint16_t kGvcpPort = 3956;
-
-TimestampNs utc_now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 // Both eyes have one exposure and gain: what the leader's control found, for the follower.
 struct SharedExposure {

@@ -8,7 +8,7 @@
 
 #include "core/base/camera_model.h"
 #include "core/base/result.h"
-#include "drivers/calibration_file.h"
+#include "drivers/calibration/calibration_options.h"
 
 namespace cliquevo::drivers {
 

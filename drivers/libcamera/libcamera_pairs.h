@@ -7,9 +7,9 @@
 #include <string>
 #include <thread>
 
-#include "drivers/camera_options.h"
 #include "drivers/libcamera/libcamera_camera.h"
-#include "drivers/live_pairs.h"
+#include "drivers/live/camera_options.h"
+#include "drivers/live/live_pairs.h"
 
 namespace cliquevo::drivers {
 

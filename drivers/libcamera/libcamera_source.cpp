@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/libcamera.h"
 #include "drivers/libcamera/libcamera_pairs.h"
-#include "drivers/pairs_source.h"
+#include "drivers/live/pairs_source.h"
 
 namespace cliquevo::drivers {
 

@@ -8,8 +8,8 @@
 #include <cliquevo/calibration_t.hpp>
 #include <cliquevo/prism_calibration_t.hpp>
 
+#include "drivers/bytes.h"
 #include "drivers/calibration/checks.h"
-#include "drivers/recording/bytes.h"
 
 namespace cliquevo::drivers {
 

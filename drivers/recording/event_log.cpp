@@ -10,7 +10,7 @@
 #include <unistd.h>
 #include <utility>
 
-#include "drivers/recording/bytes.h"
+#include "drivers/bytes.h"
 
 namespace cliquevo::drivers {
 

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "drivers/images/image_reader.h"
 #include "drivers/images/sample_depth.h"
-#include "drivers/recording/image_reader.h"
 
 namespace cliquevo::drivers {
 

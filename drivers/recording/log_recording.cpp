@@ -9,10 +9,10 @@
 #include <fmt/format.h>
 
 #include "drivers/calibration/checks.h"
-#include "drivers/masks.h"
+#include "drivers/images/image_reader.h"
+#include "drivers/images/masks.h"
 #include "drivers/recording/calibration_message.h"
 #include "drivers/recording/event_log.h"
-#include "drivers/recording/image_reader.h"
 #include "drivers/recording/pair_store.h"
 #include "drivers/recording/pairing.h"
 #include "drivers/recording/stereo_message.h"

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/recording/image_reader.h"
+#include "drivers/images/image_reader.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/side_words.h"
 #include "stereo/eye_order.h"

@@ -7,7 +7,7 @@
 #include "core/base/result.h"
 #include "drivers/calibration/calibration.h"
 #include "drivers/frame_source.h"
-#include "drivers/recording.h"
+#include "drivers/recording/recording_options.h"
 #include "drivers/recording/stamps.h"
 
 namespace cliquevo::drivers {

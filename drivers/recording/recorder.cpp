@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "core/base/caught.h"
+#include "core/base/clock.h"
 #include "drivers/recording/calibration_message.h"
 #include "drivers/recording/event_log.h"
 #include "drivers/recording/stereo_message.h"
@@ -21,11 +22,6 @@ namespace cliquevo::drivers {
 namespace fs = std::filesystem;
 
 namespace {
-
-TimestampNs utc_now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 std::string file_of(const RecorderOptions& options, int number) {
   if (options.max_file_bytes <= 0) return options.path;

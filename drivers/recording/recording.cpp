@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "drivers/calibration/calibration.h"
-#include "drivers/masks.h"
-#include "drivers/recording/image_reader.h"
+#include "drivers/images/image_reader.h"
+#include "drivers/images/masks.h"
 #include "drivers/recording/image_survey.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/pair_store.h"

@@ -9,7 +9,7 @@
 #include <cliquevo/images_t.hpp>
 #include <fmt/format.h>
 
-#include "drivers/recording/bytes.h"
+#include "drivers/bytes.h"
 
 namespace cliquevo::drivers {
 

@@ -5,6 +5,8 @@
 
 #include <cstdint>
 
+#include "core/base/kernel_tables.h"
+
 namespace cliquevo::drivers::sim {
 
 // One texture laid over the ground: texel coordinate = axis . (ground point relative to the camera) + origin.
@@ -43,11 +45,11 @@ struct ShadeKernels {
   void (*sky)(const SkyShading&, int row, int begin, float* out);
 };
 
-// The kernels for the instruction set in use.
-const ShadeKernels& shade_kernels();
-const ShadeKernels& shade_kernels_reference();
-#ifdef CLIQUEVO_SIMULATOR_AVX2
-const ShadeKernels& shade_kernels_avx2();
-#endif
+// All tables of this build.
+const KernelTables<ShadeKernels>& shade_tables();
+// The one for the instruction set in force.
+inline const ShadeKernels& shade_kernels() { return shade_tables().active(); }
+// What AVX2 overrides, in a file of its own.
+void use_avx2(ShadeKernels& kernels);
 
 }  // namespace cliquevo::drivers::sim

@@ -3,9 +3,9 @@
 
 namespace cliquevo::drivers::sim {
 
-const ShadeKernels& shade_kernels_avx2() {
-  static constexpr ShadeKernels kernels{&ground, &sky};
-  return kernels;
+void use_avx2(ShadeKernels& kernels) {
+  kernels.ground = ground;
+  kernels.sky = sky;
 }
 
 }  // namespace cliquevo::drivers::sim

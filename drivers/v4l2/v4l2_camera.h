@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/result.h"
-#include "drivers/camera_options.h"
-#include "drivers/v4l2/pixels.h"
+#include "drivers/live/camera_options.h"
+#include "drivers/pixels/pixels.h"
 
 namespace cliquevo::drivers {
 

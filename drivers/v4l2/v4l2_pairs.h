@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "drivers/camera_options.h"
-#include "drivers/live_pairs.h"
+#include "drivers/live/camera_options.h"
+#include "drivers/live/live_pairs.h"
 #include "drivers/v4l2/v4l2_camera.h"
 
 namespace cliquevo::drivers {

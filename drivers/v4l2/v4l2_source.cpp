@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/pairs_source.h"
+#include "drivers/live/pairs_source.h"
 #include "drivers/v4l2.h"
 #include "drivers/v4l2/v4l2_pairs.h"
 

@@ -59,10 +59,13 @@ struct Avx2 {
   }
 };
 
-void match_row(const MatchJob& job) { match_row_with<Avx2>(job); }
-
 }  // namespace
 
-constinit const Table kAvx2 = vector_table<Avx2, Sse4>(Isa::avx2, match_row);
+void match_row_avx2(const MatchJob& job) { match_row_with<Avx2>(job); }
+
+void use_avx2(Table& table) {
+  use_rows<Avx2, Sse4>(table);
+  table.match_row = match_row_avx2;
+}
 
 }  // namespace cliquevo::stereo::kernels

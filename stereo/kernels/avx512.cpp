@@ -39,9 +39,7 @@ struct Avx512 {
   }
 };
 
-}  // namespace
-
-void match_row_avx512(const MatchJob& job) {
+void match_row(const MatchJob& job) {
   switch (padded_disparities(job.num_disparities) / 32) {
     case 2:
       return RowMatcher<Avx512, 1>(job).run();
@@ -52,8 +50,13 @@ void match_row_avx512(const MatchJob& job) {
     case 8:
       return RowMatcher<Avx512, 4>(job).run();
     default:
-      return kAvx2.match_row(job);
+      return match_row_avx2(job);
   }
 }
+
+}  // namespace
+
+// The row kernels are short of memory, not of width.
+void use_avx512(Table& table) { table.match_row = match_row; }
 
 }  // namespace cliquevo::stereo::kernels

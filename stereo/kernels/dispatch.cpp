@@ -3,41 +3,17 @@
 
 namespace cliquevo::stereo::kernels {
 
+const KernelTables<Table>& tables() {
+  static const KernelTables<Table> all(kReference, {
 #if defined(__x86_64__)
-namespace {
-
-// The row kernels are short of memory, not of width. Put together here, not in a file whose code this machine may lack.
-const Table& avx512_table() {
-  static const Table table = [] {
-    Table t = kAvx2;
-    t.isa = Isa::avx512;
-    t.match_row = match_row_avx512;
-    return t;
-  }();
-  return table;
-}
-
-}  // namespace
-#endif
-
-const Table& table(Isa isa) {
-  switch (isa) {
-#if defined(__x86_64__)
-    case Isa::sse4:
-      return kSse4;
-    case Isa::avx2:
-      return kAvx2;
-    case Isa::avx512:
-      return avx512_table();
+    {Isa::sse4, use_sse4}, {Isa::avx2, use_avx2}, {Isa::avx512, use_avx512},
 #elif defined(__aarch64__)
-    case Isa::neon:
-      return kNeon;
+                                                       {Isa::neon, use_neon},
 #endif
-    default:
-      return kReference;
-  }
+  });
+  return all;
 }
 
-const Table& active() { return table(active_isa()); }
+const Table& active() { return tables().active(); }
 
 }  // namespace cliquevo::stereo::kernels

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "core/base/isa.h"
+#include "core/base/kernel_tables.h"
 
 namespace cliquevo::stereo::kernels {
 
@@ -172,7 +172,6 @@ struct LinkRow {
 };
 
 struct Table {
-  Isa isa;
   // out[i] = bilinear sample of raw, 0 where there is no source.
   void (*remap_row)(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& map, int width, std::uint8_t* out);
   // 3x3 Sobel gradients, 0 in the first and last column; matching = curve(gradient) + range.
@@ -192,16 +191,18 @@ struct Table {
   void (*smooth_row)(const SmoothRow& in, int width, std::int16_t* out);
 };
 
-// The table for an instruction set this build has; the reference's otherwise.
-const Table& table(Isa isa);
+// All tables of this build.
+const KernelTables<Table>& tables();
 // The one for active_isa().
 const Table& active();
 
 extern const Table kReference;
-extern const Table kSse4;
-extern const Table kAvx2;
-extern const Table kNeon;
-void match_row_avx512(const MatchJob& job);
+// What each instruction set overrides, in a file of its own.
+void use_sse4(Table& table);
+void use_avx2(Table& table);
+void use_avx512(Table& table);
+void use_neon(Table& table);
+void match_row_avx2(const MatchJob& job);
 
 // The plain kernels by name: vectors leave the end of a row to them.
 namespace reference {

@@ -120,6 +120,9 @@ void match_row(const MatchJob& job) { match_row_with<Neon>(job); }
 
 }  // namespace
 
-constinit const Table kNeon = vector_table<Neon, Neon>(Isa::neon, match_row);
+void use_neon(Table& table) {
+  use_rows<Neon, Neon>(table);
+  table.match_row = match_row;
+}
 
 }  // namespace cliquevo::stereo::kernels

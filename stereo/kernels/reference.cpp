@@ -232,16 +232,17 @@ void remap_whole_row(const std::uint8_t* raw, std::ptrdiff_t stride, const Remap
 
 }  // namespace
 
-constinit const Table kReference{Isa::reference,
-                                 remap_whole_row,
-                                 reference::prefilter_left,
-                                 reference::prefilter_right,
-                                 reference::match_row,
-                                 reference::texture_columns,
-                                 reference::texture_sums,
-                                 reference::cross_check,
-                                 reference::finish_row,
-                                 reference::link_row,
-                                 reference::smooth_row};
+constinit const Table kReference{
+    .remap_row = remap_whole_row,
+    .prefilter_left = reference::prefilter_left,
+    .prefilter_right = reference::prefilter_right,
+    .match_row = reference::match_row,
+    .texture_columns = reference::texture_columns,
+    .texture_sums = reference::texture_sums,
+    .cross_check = reference::cross_check,
+    .finish_row = reference::finish_row,
+    .link_row = reference::link_row,
+    .smooth_row = reference::smooth_row,
+};
 
 }  // namespace cliquevo::stereo::kernels

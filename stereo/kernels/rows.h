@@ -297,17 +297,15 @@ void remap_row(const std::uint8_t* raw, std::ptrdiff_t stride, const RemapRow& g
 }
 
 template <typename V, typename Narrow>
-constexpr Table vector_table(Isa isa, void (*match_row)(const MatchJob&)) {
+void use_rows(Table& table) {
   using Rows = RowKernels<V>;
-  return {isa,
-          remap_row<Narrow>,
-          Rows::prefilter_left,
-          Rows::prefilter_right,
-          match_row,
-          Rows::texture_columns,
-          Rows::texture_sums,
-          Rows::cross_check,
-          Rows::finish_row,
-          Rows::link_row,
-          Rows::smooth_row};
+  table.remap_row = remap_row<Narrow>;
+  table.prefilter_left = Rows::prefilter_left;
+  table.prefilter_right = Rows::prefilter_right;
+  table.texture_columns = Rows::texture_columns;
+  table.texture_sums = Rows::texture_sums;
+  table.cross_check = Rows::cross_check;
+  table.finish_row = Rows::finish_row;
+  table.link_row = Rows::link_row;
+  table.smooth_row = Rows::smooth_row;
 }

@@ -16,6 +16,9 @@ void match_row(const MatchJob& job) { match_row_with<Sse4>(job); }
 
 }  // namespace
 
-constinit const Table kSse4 = vector_table<Sse4, Sse4>(Isa::sse4, match_row);
+void use_sse4(Table& table) {
+  use_rows<Sse4, Sse4>(table);
+  table.match_row = match_row;
+}
 
 }  // namespace cliquevo::stereo::kernels

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "daemon/frame_pipeline.h"
+#include "daemon/pipeline/frame_pipeline.h"
 #include "tests/adversarial/cases.h"
 
 namespace cliquevo::test {

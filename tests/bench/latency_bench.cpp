@@ -183,18 +183,40 @@ void print_row(const std::string& name, const json& p) {
              p["max_ms"].get<double>());
 }
 
-Result<json> run_once(const Options& options, bool loaded, bool real_time) {
-  const std::string folder = test::scratch_dir();
-  const std::string config = folder + "/bench.yaml";
+void write_config(const std::string& path, const Options& options, bool real_time) {
   const int priority = real_time ? 50 : 0;
   const std::string source =
       options.source.empty()
           ? fmt::format("type: simulator\n  simulator: {{frames: {}, rate_hz: {}}}", options.frames, options.rate_hz)
           : fmt::format("type: recording\n  recording: {{path: {}, rate_hz: {}}}", options.source, options.rate_hz);
-  std::ofstream(config) << fmt::format(
+  std::ofstream(path) << fmt::format(
       "source:\n  loop: pingpong\n  {}\nstereo: {{workers: {}}}\nrealtime: {{stereo_priority: {}, "
       "odometry_priority: {}, output_priority: {}}}\nlog: {{level: warn}}\n",
       source, options.stereo_workers, priority, priority, real_time ? 30 : 0);
+}
+
+void print_result(const json& result) {
+  fmt::print("load: {}, priority: {}: {} frames, {} valid, {} dropped, {} out of order, resident {:.1f} to {:.1f} MB\n",
+             result["load"].get<std::string>(), result["priority"].get<std::string>(), result["frames"].get<int>(),
+             result["valid"].get<int>(), result["dropped"].get<int>(), result["out_of_order"].get<int>(),
+             1e-6 * result["resident_bytes_after_warm_up"].get<double>(),
+             1e-6 * result["resident_bytes_at_end"].get<double>());
+  const auto rights = result["without_rights"].get<std::string>();
+  if (!rights.empty()) fmt::print("  {}", rights);
+  fmt::print("  the machine stood still {} times for more than {} ms, {:.1f} ms at the longest: {} of the dropped\n",
+             result["stalls"].get<int>(), kStallUs / 1000, result["longest_stall_ms"].get<double>(),
+             result["dropped_beside_stalls"].get<int>());
+  fmt::print("  {:18} {:>8} {:>8} {:>8} {:>8} {:>8}   ms\n", "", "50 %", "90 %", "99 %", "99.9 %", "max");
+  for (const char* name : kSpanNames) print_row(name, result["spans"][name]);
+  print_row("(bare wake-up)", result["bare_wake_up"]);
+  std::fflush(stdout);
+}
+
+Result<json> run_once(const Options& options, bool loaded, bool real_time) {
+  const std::string folder = test::scratch_dir();
+  const std::string config = folder + "/bench.yaml";
+  const int priority = real_time ? 50 : 0;
+  write_config(config, options, real_time);
   Listener listener;
   test::Subprocess daemon({test::binary("cliquevod"), "--config", config});
   const std::int64_t patience_ns = monotonic_ns() + 600'000'000'000;  // the first run renders
@@ -232,18 +254,7 @@ Result<json> run_once(const Options& options, bool loaded, bool real_time) {
   result["resident_bytes_at_end"] = listener.resident_last;
   result["without_rights"] = ended.err;
 
-  fmt::print("load: {}, priority: {}: {} frames, {} valid, {} dropped, {} out of order, resident {:.1f} to {:.1f} MB\n",
-             result["load"].get<std::string>(), result["priority"].get<std::string>(), result["frames"].get<int>(),
-             result["valid"].get<int>(), result["dropped"].get<int>(), listener.out_of_order,
-             1e-6 * static_cast<double>(listener.resident_first), 1e-6 * static_cast<double>(listener.resident_last));
-  if (!ended.err.empty()) fmt::print("  {}", ended.err);
-  fmt::print("  the machine stood still {} times for more than {} ms, {:.1f} ms at the longest: {} of the dropped\n",
-             stalls.size(), kStallUs / 1000, 1e-3 * static_cast<double>(longest_us),
-             result["dropped_beside_stalls"].get<int>());
-  fmt::print("  {:18} {:>8} {:>8} {:>8} {:>8} {:>8}   ms\n", "", "50 %", "90 %", "99 %", "99.9 %", "max");
-  for (const char* name : kSpanNames) print_row(name, spans[name]);
-  print_row("(bare wake-up)", result["bare_wake_up"]);
-  std::fflush(stdout);
+  print_result(result);
   return result;
 }
 

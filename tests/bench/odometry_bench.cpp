@@ -15,7 +15,7 @@
 
 #include "core/base/isa.h"
 #include "core/vo/visual_odometry.h"
-#include "daemon/trajectory_file.h"
+#include "daemon/pipeline/trajectory_file.h"
 #include "drivers/recording.h"
 #include "drivers/simulator.h"
 #include "stereo/dense_stereo.h"

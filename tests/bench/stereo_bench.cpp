@@ -261,6 +261,42 @@ Result<json> bench_rectification(const Scene& scene, int rounds) {
   return beside("rectification of one image", scene.name, model.width, model.height, times);
 }
 
+// The simulator's first pair, and the KITTI drive's where it is there.
+Result<std::vector<Scene>> open_scenes() {
+  std::vector<Scene> scenes;
+  drivers::SimulatorOptions options;
+  options.frames = 2;
+  auto simulator = drivers::open_simulator(options);
+  if (!simulator) return simulator.error();
+  auto sim = first_pair("sim", std::move(*simulator), 64);
+  if (!sim) return sim.error();
+  scenes.push_back(std::move(*sim));
+  const std::filesystem::path drive = std::filesystem::path(test::data_dir()) / "kitti_raw";
+  if (!std::filesystem::exists(drive)) return scenes;
+  drivers::RecordingOptions recording;
+  recording.path = drive.string();
+  auto opened = drivers::open_recording(recording);
+  if (!opened) return opened.error();
+  auto kitti = first_pair("kitti_raw", std::move(*opened), 128);
+  if (!kitti) return kitti.error();
+  scenes.push_back(std::move(*kitti));
+  return scenes;
+}
+
+void print_result(const json& result) {
+  const auto number = [&result](const char* key) { return result.at(key).get<double>(); };
+  fmt::print("{:30} {:10} {:4}x{:<4} ", result.at("what").get<std::string>(), result.at("scene").get<std::string>(),
+             result.at("width").get<int>(), result.at("height").get<int>());
+  if (result.contains("efficiency")) {
+    fmt::print("shared {:7.2f} ms  copies {:7.2f} ms  {:5.2f} of theirs (minima {:.2f})\n", number("shared_ms"),
+               number("copies_ms"), number("efficiency"), number("efficiency_at_least"));
+  } else {
+    fmt::print("cliquevo {:7.2f} ms  opencv {:7.2f} ms  {:5.2f} times faster (minima {:.2f})\n", number("cliquevo_ms"),
+               number("opencv_ms"), number("times_faster"), number("times_faster_at_least"));
+  }
+  std::fflush(stdout);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -272,46 +308,19 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   cv::setNumThreads(1);
 
-  std::vector<Scene> scenes;
+  auto scenes = open_scenes();
+  if (!scenes) return tools::report(scenes.error());
   json results = json::array();
-  const auto take = [&scenes](Result<Scene> scene) {
-    if (!scene) return false;
-    scenes.push_back(std::move(*scene));
-    return true;
-  };
-  drivers::SimulatorOptions options;
-  options.frames = 2;
-  auto simulator = drivers::open_simulator(options);
-  if (!simulator) return tools::report(simulator.error());
-  if (!take(first_pair("sim", std::move(*simulator), 64))) return tools::kBadInput;
-  const std::filesystem::path drive = std::filesystem::path(test::data_dir()) / "kitti_raw";
-  if (std::filesystem::exists(drive)) {
-    drivers::RecordingOptions recording;
-    recording.path = drive.string();
-    auto opened = drivers::open_recording(recording);
-    if (!opened) return tools::report(opened.error());
-    if (!take(first_pair("kitti_raw", std::move(*opened), 128))) return tools::kBadInput;
-  }
   const auto keep = [&results](const Result<json>& result) {
     if (!result) {
       tools::report(result.error());
       return false;
     }
     results.push_back(*result);
-    const auto number = [&result](const char* key) { return result->at(key).get<double>(); };
-    fmt::print("{:30} {:10} {:4}x{:<4} ", result->at("what").get<std::string>(), result->at("scene").get<std::string>(),
-               result->at("width").get<int>(), result->at("height").get<int>());
-    if (result->contains("efficiency")) {
-      fmt::print("shared {:7.2f} ms  copies {:7.2f} ms  {:5.2f} of theirs (minima {:.2f})\n", number("shared_ms"),
-                 number("copies_ms"), number("efficiency"), number("efficiency_at_least"));
-    } else {
-      fmt::print("cliquevo {:7.2f} ms  opencv {:7.2f} ms  {:5.2f} times faster (minima {:.2f})\n",
-                 number("cliquevo_ms"), number("opencv_ms"), number("times_faster"), number("times_faster_at_least"));
-    }
-    std::fflush(stdout);
+    print_result(*result);
     return true;
   };
-  for (const Scene& scene : scenes) {
+  for (const Scene& scene : *scenes) {
     for (const Work work : {Work::shipped, Work::same, Work::bare}) {
       if (!keep(bench_matching(scene, work, rounds))) return tools::kBadInput;
     }

@@ -5,7 +5,7 @@
 
 #include <cliquevo/command_t.hpp>
 
-#include "daemon/command.h"
+#include "daemon/control/command.h"
 #include "tests/fuzz/expect.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

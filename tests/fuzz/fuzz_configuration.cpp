@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The configuration's YAML: an error of one line, or values that pass their own check and print as YAML that reads
 // back.
-#include "daemon/config.h"
-#include "daemon/effective_config.h"
+#include "daemon/pipeline/config.h"
+#include "daemon/pipeline/effective_config.h"
 #include "tests/fuzz/expect.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,7 +2,7 @@
 // A peer of the control socket: its bytes in pieces (the first byte tells how large), each request answered by a line.
 #include <algorithm>
 
-#include "daemon/control_session.h"
+#include "daemon/control/control_session.h"
 #include "tests/fuzz/expect.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

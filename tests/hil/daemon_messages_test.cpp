@@ -20,7 +20,7 @@
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
 
-#include "daemon/trajectory_file.h"
+#include "daemon/pipeline/trajectory_file.h"
 #include "tests/hil/private_network.h"
 #include "tests/support/subprocess.h"
 #include "tests/support/test_data.h"

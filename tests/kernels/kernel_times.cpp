@@ -204,7 +204,7 @@ void print_kernel_times() {
       // The clock changes with what runs beside: both are measured in turns, the smallest quotient counts.
       double least = 1e18;
       for (int round = 0; round < 3; ++round) {
-        least = std::min(least, bench.time(table(isa), which) / (8.0 * kWidth) / cycle_ns());
+        least = std::min(least, bench.time(*tables().find(isa), which) / (8.0 * kWidth) / cycle_ns());
       }
       std::printf(" %.2f |", least);
     }

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "daemon/frame_pipeline.h"
+#include "daemon/pipeline/frame_pipeline.h"
 #include "drivers/simulator.h"
 
 namespace cliquevo::test {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "daemon/trajectory_file.h"
+#include "daemon/pipeline/trajectory_file.h"
 #include "tests/support/subprocess.h"
 #include "tests/support/test_data.h"
 

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <opencv2/imgcodecs.hpp>
 
-#include "daemon/trajectory_file.h"
+#include "daemon/pipeline/trajectory_file.h"
 #include "drivers/simulator.h"
 #include "tests/support/test_data.h"
 

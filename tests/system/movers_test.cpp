@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "daemon/frame_pipeline.h"
+#include "daemon/pipeline/frame_pipeline.h"
 #include "drivers/simulator.h"
 #include "drivers/simulator/course.h"
 #include "drivers/simulator/world.h"

@@ -8,9 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "core/rt/memory.h"
-#include "daemon/config.h"
-#include "daemon/pipeline.h"
-#include "daemon/source.h"
+#include "daemon/pipeline/config.h"
+#include "daemon/pipeline/source.h"
+#include "daemon/pipeline/stages.h"
+#include "daemon/threads/pipeline.h"
 #include "tests/support/test_data.h"
 #include "tests/system/interpose/interposer.h"
 
@@ -38,6 +39,38 @@ class ThreadWatch {
  private:
   std::int64_t seen_ = 0;
   test::ForbiddenCalls calls_;  // up to the beginning of the last frame
+};
+
+// The stages as the daemon runs them, with a watch on each of the two threads.
+class WatchedWork final : public PipelineWork {
+ public:
+  WatchedWork(StereoStage& stereo, OdometryStage& odometry) : stereo_(stereo), odometry_(odometry) {}
+
+  void prepare(FrameSlot& slot) override { stereo_.prepare(slot.frame); }
+  Result<void> stereo(FrameSlot& slot) override {
+    stereo_watch.before_frame();
+    return stereo_.run(slot.pair, slot.frame);
+  }
+  Result<void> odometry(FrameSlot& slot, PublishedFrame& out) override {
+    odometry_watch.before_frame();
+    auto done = odometry_.run(slot.pair.stamp_ns, slot.frame);
+    out.estimate = odometry_.estimate();
+    return done;
+  }
+  void reset() override { odometry_.reset(); }
+  void output(const PublishedFrame& frame) override {
+    ++published;
+    if (frame.estimate.status == vo::Status::valid) ++valid;
+  }
+
+  ThreadWatch stereo_watch;
+  ThreadWatch odometry_watch;
+  std::atomic<std::int64_t> published{0};
+  std::atomic<std::int64_t> valid{0};
+
+ private:
+  StereoStage& stereo_;
+  OdometryStage& odometry_;
 };
 
 void expect_none(const ThreadWatch& watch, const char* thread, bool locked) {
@@ -83,37 +116,18 @@ TEST(RealtimeCalls, NoneInTheStereoAndTheOdometryThreadAfterWarmUp) {
   auto odometry = OdometryStage::make(config.odometry, (*source)->info(), *stereo);
   ASSERT_TRUE(odometry.ok());
 
-  ThreadWatch stereo_watch;
-  ThreadWatch odometry_watch;
-  std::atomic<std::int64_t> published{0};
-  std::atomic<std::int64_t> valid{0};
-  PipelineWork work;
-  work.prepare = [&](FrameSlot& slot) { stereo->prepare(slot.frame); };
-  work.stereo = [&](FrameSlot& slot) {
-    stereo_watch.before_frame();
-    return stereo->run(slot.pair, slot.frame);
-  };
-  work.odometry = [&](FrameSlot& slot) {
-    odometry_watch.before_frame();
-    return odometry->run(slot.pair.stamp_ns, slot.frame);
-  };
-  work.estimate = [&]() -> const vo::Estimate& { return odometry->estimate(); };
-  work.reset = [&] { odometry->reset(); };
-  work.output = [&](const PublishedFrame& frame) {
-    ++published;
-    if (frame.estimate.status == vo::Status::valid) ++valid;
-  };
+  WatchedWork work(*stereo, *odometry);
   auto pipeline = Pipeline::start({.speed = 0.0}, work, std::move(*source));
   ASSERT_TRUE(pipeline.ok());
   const std::int64_t wanted = kWarmUp + watched_frames();
-  while (published < wanted && !pipeline->wait_finished(20'000'000)) {
+  while (work.published < wanted && !pipeline->wait_finished(20'000'000)) {
   }
   pipeline->stop();
   ASSERT_TRUE(pipeline->wait_finished(60'000'000'000));
-  EXPECT_GE(odometry_watch.frames(), watched_frames() - 2);
-  EXPECT_GT(valid, published * 9 / 10) << "the frames must be worth watching";
-  expect_none(stereo_watch, "stereo", refused.empty());
-  expect_none(odometry_watch, "odometry", refused.empty());
+  EXPECT_GE(work.odometry_watch.frames(), watched_frames() - 2);
+  EXPECT_GT(work.valid, work.published * 9 / 10) << "the frames must be worth watching";
+  expect_none(work.stereo_watch, "stereo", refused.empty());
+  expect_none(work.odometry_watch, "odometry", refused.empty());
 }
 
 }  // namespace

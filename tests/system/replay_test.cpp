@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
 
-#include "daemon/trajectory_file.h"
+#include "daemon/pipeline/trajectory_file.h"
 #include "tests/support/subprocess.h"
 #include "tests/support/test_data.h"
 #include "tests/system/made_recording.h"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/frame_pipeline.h"
+#include "daemon/pipeline/frame_pipeline.h"
 #include "drivers/simulator.h"
 #include "tests/support/test_data.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <unistd.h>
 
-#include "drivers/camera_options.h"
 #include "drivers/frame_source.h"
+#include "drivers/live/camera_options.h"
 #include "tests/vm/made_up_yuyv.h"
 
 namespace cliquevo::test {

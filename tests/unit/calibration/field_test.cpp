@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/frame_pipeline.h"
+#include "daemon/pipeline/frame_pipeline.h"
 #include "drivers/recording.h"
 #include "tests/support/test_data.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Every format that cameras deliver becomes the same grey image; both eyes of one frame come apart.
-#include "drivers/v4l2/pixels.h"
+#include "drivers/pixels/pixels.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "drivers/recording/image_reader.h"
+#include "drivers/images/image_reader.h"
 #include "tests/support/test_data.h"
 
 namespace cliquevo::drivers {

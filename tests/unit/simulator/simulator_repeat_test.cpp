@@ -56,24 +56,23 @@ TEST(Simulator, SameSeedsGiveTheSameBytesWhateverTheWorkers) {
 }
 
 TEST(Simulator, ShadingKernelsOfEveryInstructionSetGiveTheSameBits) {
-#ifdef CLIQUEVO_SIMULATOR_AVX2
-  if (!isa_available(Isa::avx2)) GTEST_SKIP() << "this machine has no AVX2";
   const SimulatorOptions options = small("");
   const sim::Course course(options);
   const sim::World world(options, course);
   std::vector<sim::CleanPair> pairs(2);
   sim::RenderScratch scratch;
-  const sim::Renderer plain(options, course, world, sim::shade_kernels_reference());
-  const sim::Renderer vector(options, course, world, sim::shade_kernels_avx2());
+  const sim::Renderer plain(options, course, world, sim::shade_tables().reference());
   plain.render(3, scratch, pairs[0]);
-  vector.render(3, scratch, pairs[1]);
-  for (int y = 0; y < options.height; ++y) {
-    ASSERT_EQ(std::memcmp(pairs[0].left.view().row(y), pairs[1].left.view().row(y), 2U * 128U), 0) << y;
-    ASSERT_EQ(std::memcmp(pairs[0].right.view().row(y), pairs[1].right.view().row(y), 2U * 128U), 0) << y;
+  for (const Isa isa : sim::shade_tables().usable()) {
+    const sim::Renderer tested(options, course, world, *sim::shade_tables().find(isa));
+    tested.render(3, scratch, pairs[1]);
+    for (int y = 0; y < options.height; ++y) {
+      ASSERT_EQ(std::memcmp(pairs[0].left.view().row(y), pairs[1].left.view().row(y), 2U * 128U), 0)
+          << isa_name(isa) << " " << y;
+      ASSERT_EQ(std::memcmp(pairs[0].right.view().row(y), pairs[1].right.view().row(y), 2U * 128U), 0)
+          << isa_name(isa) << " " << y;
+    }
   }
-#else
-  GTEST_SKIP() << "one set of kernels on this machine";
-#endif
 }
 
 // FNV-1a.

@@ -14,10 +14,13 @@
 
 #include "stereo/camera_projection.h"
 #include "tests/support/test_data.h"
+#include "tests/unit/stereo/as_opencv.h"
 
 namespace cliquevo::stereo {
 namespace {
 
+using test::as_mat;
+using test::as_view;
 using test::data_dir;
 
 CameraCalibration camera(int w, int h, double f, Distortion kind, std::array<double, 8> k) {
@@ -256,14 +259,6 @@ StereoCalibration kitti_raw() {
   return c;
 }
 
-cv::Mat as_mat(Image<std::uint8_t>& i) {
-  return {i.height(), i.width(), CV_8UC1, i.view().data, static_cast<std::size_t>(i.view().stride)};
-}
-
-ImageView<const std::uint8_t> as_view(const cv::Mat& m) {
-  return {m.data, m.cols, m.rows, static_cast<std::ptrdiff_t>(m.step)};
-}
-
 TEST(Rectifier, PrescribedRectificationOfKittiEqualsOpenCvsToAGreyLevel) {
   CLIQUEVO_NEEDS_DATA("kitti_raw");
   const StereoCalibration c = kitti_raw();
@@ -298,85 +293,6 @@ TEST(Rectifier, PrescribedRectificationOfKittiEqualsOpenCvsToAGreyLevel) {
     cv::minMaxLoc(difference, nullptr, &worst);
     EXPECT_LE(worst, 10.0);  // OpenCV samples at 1/32 px, this at 1/64 px
   }
-}
-
-// The pairs of a chessboard: calibrate with OpenCV, rectify with ours, find the corners again.
-TEST(Rectifier, OwnRectificationOfARealPairLeavesLittleVerticalError) {
-  CLIQUEVO_NEEDS_DATA("chessboard");
-  const cv::Size board(9, 6);
-  std::vector<std::vector<cv::Point2f>> corners[2];
-  std::vector<cv::Mat> images[2];
-  for (int i = 1; i <= 40 && images[0].size() < 12; ++i) {
-    cv::Mat pair[2];
-    std::vector<cv::Point2f> found[2];
-    bool ok = true;
-    for (int eye = 0; eye < 2 && ok; ++eye) {
-      pair[eye] = cv::imread(data_dir() + "/chessboard/" + (eye == 0 ? "left" : "right") + std::to_string(i) + ".jpg",
-                             cv::IMREAD_GRAYSCALE);
-      ok = !pair[eye].empty() && cv::findChessboardCorners(pair[eye], board, found[eye],
-                                                           cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK);
-      if (ok) cv::cornerSubPix(pair[eye], found[eye], {5, 5}, {-1, -1}, {3, 30, 0.01});
-    }
-    if (!ok) continue;
-    for (int eye = 0; eye < 2; ++eye) {
-      corners[eye].push_back(found[eye]);
-      images[eye].push_back(pair[eye]);
-    }
-  }
-  ASSERT_GE(images[0].size(), 8U);
-  std::vector<cv::Point3f> grid;
-  for (int y = 0; y < board.height; ++y) {
-    for (int x = 0; x < board.width; ++x) grid.push_back(cv::Point3d(0.02423 * x, 0.02423 * y, 0.0));
-  }
-  const std::vector<std::vector<cv::Point3f>> objects(images[0].size(), grid);
-  cv::Mat K[2], D[2], R, T, E, F;
-  std::vector<cv::Mat> r, t;
-  for (int eye = 0; eye < 2; ++eye)
-    cv::calibrateCamera(objects, corners[eye], images[eye][0].size(), K[eye], D[eye], r, t);
-  const double rms = cv::stereoCalibrate(objects, corners[0], corners[1], K[0], D[0], K[1], D[1], images[0][0].size(),
-                                         R, T, E, F, cv::CALIB_USE_INTRINSIC_GUESS);
-  ASSERT_LT(rms, 0.6);
-  StereoCalibration c;
-  for (int eye = 0; eye < 2; ++eye) {
-    CameraCalibration& cam = eye == 0 ? c.left : c.right;
-    cam = {images[eye][0].cols,     images[eye][0].rows,     K[eye].at<double>(0, 0), K[eye].at<double>(1, 1),
-           K[eye].at<double>(0, 2), K[eye].at<double>(1, 2), Distortion::plumb_bob,   {}};
-    for (int k = 0; k < 5; ++k) cam.coefficients[k] = D[eye].at<double>(k);
-  }
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) c.T_right_left.R(i, j) = R.at<double>(i, j);
-    c.T_right_left.t(i) = T.at<double>(i);
-  }
-  auto rectifier = Rectifier::make(c);
-  ASSERT_TRUE(rectifier.ok()) << rectifier.error().line();
-  const StereoModel& m = rectifier->model();
-  double sum = 0.0;
-  int count = 0;
-  std::vector<double> squares;
-  for (std::size_t i = 0; i < images[0].size(); ++i) {
-    std::vector<cv::Point2f> found[2];
-    bool ok = true;
-    for (int eye = 0; eye < 2 && ok; ++eye) {
-      Image<std::uint8_t> out(m.width, m.height);
-      ASSERT_TRUE(rectifier->rectify(eye == 0 ? Eye::left : Eye::right, as_view(images[eye][i]), out.view()).ok());
-      ok = cv::findChessboardCorners(as_mat(out), board, found[eye], cv::CALIB_CB_ADAPTIVE_THRESH);
-      if (ok) cv::cornerSubPix(as_mat(out), found[eye], {5, 5}, {-1, -1}, {3, 30, 0.01});
-    }
-    if (!ok) continue;
-    for (std::size_t k = 0; k < grid.size(); ++k) {
-      sum += std::pow(found[0][k].y - found[1][k].y, 2);
-      ++count;
-      if (k % 9 == 0) continue;
-      const auto at = [&](std::size_t j) {
-        return m.triangulate(found[0][j].x, found[0][j].y, found[0][j].x - found[1][j].x);
-      };
-      squares.push_back((at(k) - at(k - 1)).norm());
-    }
-  }
-  ASSERT_GT(count, 300);
-  EXPECT_LT(std::sqrt(sum / count), 0.35);
-  std::nth_element(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2), squares.end());
-  EXPECT_NEAR(squares[squares.size() / 2], 0.02423, 0.0005);
 }
 
 }  // namespace

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/lcm/messages.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace cliquevo::daemon {
+
+namespace {
+
+void put(const Eigen::Vector3d& v, double (&out)[3]) {
+  for (int i = 0; i < 3; ++i) out[i] = v[i];
+}
+
+// w x y z with w >= 0: one sign for one rotation.
+void put(const Eigen::Matrix3d& R, double (&out)[4]) {
+  Eigen::Quaterniond q(R);
+  q.normalize();
+  const double sign = q.w() < 0.0 ? -1.0 : 1.0;
+  out[0] = sign * q.w();
+  out[1] = sign * q.x();
+  out[2] = sign * q.y();
+  out[3] = sign * q.z();
+}
+
+void put(const Matrix6d& M, double (&out)[6][6]) {
+  for (int r = 0; r < 6; ++r) {
+    for (int c = 0; c < 6; ++c) out[r][c] = M(r, c);
+  }
+}
+
+Matrix6d sendable(const Matrix6d& covariance) {
+  if (covariance.allFinite()) return covariance;
+  return Matrix6d::Identity() * kUnknownVariance;
+}
+
+// Finite, and a rotation at all: the quaternion of a wreck may be NaN although the wreck is not.
+bool usable(const RigidTransform& T) {
+  if (!T.is_finite()) return false;
+  const double det = T.R.determinant();
+  return det > 0.5 && det < 2.0 && T.t.cwiseAbs().maxCoeff() < 1e12;
+}
+
+std::int32_t duration_us(std::int64_t ns) {
+  constexpr std::int64_t kMax = std::numeric_limits<std::int32_t>::max();
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(ns / 1000, 0, kMax));
+}
+
+std::int64_t stamp_us(TimestampNs ns) { return ns == 0 ? 0 : floor_us(ns); }
+
+}  // namespace
+
+MessageBuilder::MessageBuilder(const RigidTransform& T_body_camera)
+    : T_body_camera_(T_body_camera),
+      T_camera_body_(T_body_camera.inverse()),
+      adjoint_body_camera_(adjoint(T_body_camera)) {}
+
+void MessageBuilder::build(const PublishedFrame& frame, TimestampNs publish_ns, FrameMessages& out) {
+  const vo::Estimate& e = frame.estimate;
+  const bool motion_ok = usable(e.T_prev_cur) && usable(e.T_world_camera) && e.covariance.allFinite();
+  const bool errors_ok = std::isfinite(e.reprojection_error_px) && std::isfinite(e.eigenvalue_ratio);
+  build_delta(e, motion_ok, out.delta);
+  build_delta_body(e, out.delta, out.delta_body);
+  build_pose(frame, motion_ok, out.pose);
+  build_status(frame, publish_ns, out.status);
+  out.status.repaired = motion_ok && errors_ok ? 0 : 1;
+  const bool moved_as_measured = e.status == vo::Status::valid || e.status == vo::Status::no_data;
+  out.status.pose_is_guess = moved_as_measured && motion_ok ? 0 : 1;
+}
+
+void MessageBuilder::build_delta(const vo::Estimate& e, bool finite, update_t& out) const {
+  const bool valid = e.status == vo::Status::valid && finite;
+  const RigidTransform T = valid ? e.T_prev_cur : RigidTransform{};
+  out.timestamp = floor_us(e.stamp_ns);
+  // Before the first valid frame there is nothing to measure from.
+  out.prev_timestamp = e.status == vo::Status::no_data ? out.timestamp : floor_us(e.prev_stamp_ns);
+  put(T.t, out.translation);
+  put(T.R, out.rotation);
+  put(sendable(e.covariance), out.covariance);
+  // Readers of this type know 0 to 4 only.
+  const bool degenerate =
+      e.status == vo::Status::ambiguous || e.status == vo::Status::weak || (e.status == vo::Status::valid && !finite);
+  out.estimate_status = degenerate ? update_t::ESTIMATE_DEGENERATE : static_cast<std::int8_t>(e.status);
+}
+
+void MessageBuilder::build_delta_body(const vo::Estimate& e, const update_t& delta, update_t& out) const {
+  out = delta;
+  if (delta.estimate_status == update_t::ESTIMATE_VALID) {
+    const RigidTransform T = T_body_camera_ * e.T_prev_cur * T_camera_body_;
+    put(T.t, out.translation);
+    put(T.R, out.rotation);
+  }
+  // A perturbation x of the camera's delta on the left is Ad(T_body_camera) x of the body's.
+  put(sendable(adjoint_body_camera_ * sendable(e.covariance) * adjoint_body_camera_.transpose()), out.covariance);
+}
+
+void MessageBuilder::build_pose(const PublishedFrame& frame, bool finite, pose_t& out) {
+  const vo::Estimate& e = frame.estimate;
+  SentPose now{RigidTransform{}, e.stamp_ns, frame.resets};
+  if (finite) {
+    now.T_world_body = (T_body_camera_ * e.T_world_camera * T_camera_body_).normalized();
+  } else if (last_) {
+    now.T_world_body = last_->T_world_body;
+  }
+
+  // Where and when the body was before: at the last valid frame when the motion from there is known, else where the
+  // last message put it (a guess then keeps the speed that it was made with).
+  std::optional<SentPose> before;
+  if (finite && e.status == vo::Status::valid) {
+    const RigidTransform T_prev_cur_body = T_body_camera_ * e.T_prev_cur * T_camera_body_;
+    before = SentPose{now.T_world_body * T_prev_cur_body.inverse(), e.prev_stamp_ns, frame.resets};
+  } else if (finite && e.status != vo::Status::no_data && last_ && last_->resets == frame.resets) {
+    before = last_;
+  }
+
+  Eigen::Vector3d velocity = Eigen::Vector3d::Zero();
+  Eigen::Vector3d rotation_rate = Eigen::Vector3d::Zero();
+  if (before && now.stamp_ns > before->stamp_ns) {
+    const double dt_s = static_cast<double>(now.stamp_ns - before->stamp_ns) * 1e-9;
+    velocity = (now.T_world_body.t - before->T_world_body.t) / dt_s;
+    rotation_rate = so3_log(now.T_world_body.R * before->T_world_body.R.transpose()) / dt_s;
+  }
+
+  out.utime = floor_us(e.stamp_ns);
+  put(now.T_world_body.t, out.pos);
+  put(velocity, out.vel);
+  put(now.T_world_body.R, out.orientation);
+  put(rotation_rate, out.rotation_rate);
+  put(Eigen::Vector3d::Zero(), out.accel);
+  last_ = now;
+}
+
+void MessageBuilder::build_checks(const vo::Estimate& e, status_t& out) {
+  constexpr double kMostRatio = 1e9;
+  const auto finite = [](double value) { return std::isfinite(value) ? value : 0.0; };
+  out.quality = static_cast<std::int8_t>(e.quality);
+  out.n_checks = static_cast<std::int32_t>(vo::kChecks);
+  out.check_ratio.resize(vo::kChecks);  // the first time only
+  for (std::size_t k = 0; k < vo::kChecks; ++k) {
+    const double ratio = e.checks[static_cast<vo::Check>(k)].ratio();
+    out.check_ratio[k] = std::isnan(ratio) ? kMostRatio : std::clamp(ratio, 0.0, kMostRatio);
+  }
+  out.checks_failed = static_cast<std::int32_t>(e.checks.failed());
+  out.expected_error_px = finite(e.expected_error_px);
+  out.disparity_shift_px = finite(e.disparity_shift_px);
+  out.disparity_shift_sigma_px = finite(e.disparity_shift_sigma_px);
+}
+
+void MessageBuilder::build_status(const PublishedFrame& frame, TimestampNs publish_ns, status_t& out) const {
+  const vo::Estimate& e = frame.estimate;
+  out.utime = floor_us(e.stamp_ns);
+  out.publish_utime = floor_us(publish_ns);
+  out.frame = frame.index;
+  out.status = static_cast<std::int8_t>(e.status);
+  out.features = e.features;
+  out.matches = e.matches;
+  out.clique = e.clique;
+  out.inliers = e.inliers;
+  out.reprojection_error_px = std::isfinite(e.reprojection_error_px) ? e.reprojection_error_px : 0.0;
+  out.eigenvalue_ratio = std::isfinite(e.eigenvalue_ratio) ? e.eigenvalue_ratio : 0.0;
+  build_checks(e, out);
+  out.rectify_us = duration_us(frame.times.rectify_ns);
+  out.stereo_us = duration_us(frame.times.stereo_ns);
+  out.odometry_us = duration_us(frame.times.odometry_ns);
+  out.features_us = duration_us(e.times.features_ns);
+  out.scores_us = duration_us(e.times.scores_ns);
+  out.matches_us = duration_us(e.times.matches_ns);
+  out.clique_us = duration_us(e.times.clique_ns);
+  out.motion_us = duration_us(e.times.motion_ns);
+  out.grabbed_utime = stamp_us(frame.stamps.grabbed_ns);
+  out.stereo_begin_utime = stamp_us(frame.stamps.stereo_begin_ns);
+  out.stereo_end_utime = stamp_us(frame.stamps.stereo_end_ns);
+  out.odometry_begin_utime = stamp_us(frame.stamps.odometry_begin_ns);
+  out.odometry_end_utime = stamp_us(frame.stamps.odometry_end_ns);
+  out.dropped = frame.dropped;
+  out.resets = frame.resets;
+  const vo::CalibrationCheck& c = e.calibration;
+  const auto told = [&c](double value) { return c.frames > 0 && std::isfinite(value) ? value : 0.0; };
+  out.disparity_offset_px = told(c.disparity_offset_px);
+  out.disparity_offset_sigma_px = told(c.disparity_offset_sigma_px);
+  out.vertical_px = told(c.vertical_px);
+  out.vertical_sigma_px = told(c.vertical_sigma_px);
+  out.calibration_off = c.noticeable() ? 1 : 0;
+  out.vehicle_in_view = e.vehicle_part.frames > 0 ? 1 : 0;
+}
+
+namespace {
+
+bool finite(const vo::Mover& m) {
+  return usable(m.T_prev_cur) && m.covariance.allFinite() && m.centre.allFinite() && m.velocity_m_s.allFinite() &&
+         std::isfinite(m.reprojection_error_px);
+}
+
+void build_mover(const vo::Mover& m, mover_t& out) {
+  out.id = m.id;
+  out.frames = m.frames;
+  out.of_vehicle = m.of_vehicle ? 1 : 0;
+  put(m.centre, out.centre);
+  put(m.velocity_m_s, out.velocity);
+  put(m.T_prev_cur.t, out.translation);
+  put(m.T_prev_cur.R, out.rotation);
+  put(m.covariance, out.covariance);
+  out.reprojection_error_px = m.reprojection_error_px;
+  out.inliers = m.inliers;
+  out.num_points = m.points;
+  out.pixel.clear();
+  out.point.clear();
+  for (int i = 0; i < m.points; ++i) {
+    const vo::MoverPoint& p = m.point[static_cast<std::size_t>(i)];
+    out.pixel.push_back({p.x_px, p.y_px});
+    out.point.push_back({p.point.x(), p.point.y(), p.point.z()});
+  }
+}
+
+}  // namespace
+
+void build_movers(const vo::Movers& movers, movers_t& out) {
+  out.utime = floor_us(movers.stamp_ns);
+  out.prev_utime = floor_us(movers.prev_stamp_ns);
+  out.num_movers = 0;
+  out.movers.resize(vo::kMostMovers);  // their memory is kept
+  for (int i = 0; i < movers.count; ++i) {
+    const vo::Mover& m = movers.mover[static_cast<std::size_t>(i)];
+    if (finite(m)) build_mover(m, out.movers[static_cast<std::size_t>(out.num_movers++)]);
+  }
+}
+
+namespace {
+
+// size bytes of pixels, still to be written.
+std::uint8_t* begin_image(std::int64_t utime, int width, int height, int bytes_a_pixel, std::int32_t format,
+                          image_t& out) {
+  out.utime = utime;
+  out.width = width;
+  out.height = height;
+  out.row_stride = width * bytes_a_pixel;
+  out.pixelformat = format;
+  out.size = out.row_stride * height;
+  out.data.resize(static_cast<std::size_t>(out.size));
+  out.nmetadata = 0;
+  return out.data.data();
+}
+
+}  // namespace
+
+void build_images(const TappedImages& images, images_t& out) {
+  const std::int64_t utime = floor_us(images.stamp_ns);
+  const int width = images.left.width();
+  const int height = images.left.height();
+  out.utime = utime;
+  out.n_images = 2;
+  out.image_types = {images_t::LEFT, images_t::DISPARITY};
+  out.images.resize(2);
+  std::uint8_t* left = begin_image(utime, width, height, 1, image_t::PIXEL_FORMAT_GRAY, out.images[0]);
+  std::uint8_t* disparity = begin_image(utime, width, height, 2, image_t::PIXEL_FORMAT_LE_GRAY16, out.images[1]);
+  for (int y = 0; y < height; ++y) {
+    const std::uint8_t* grey = images.left.cview().row(y);
+    left = std::copy(grey, grey + width, left);
+    const std::uint16_t* values = images.disparity.cview().row(y);
+    for (int x = 0; x < width; ++x) {
+      *disparity++ = static_cast<std::uint8_t>(values[x] & 0xFF);
+      *disparity++ = static_cast<std::uint8_t>(values[x] >> 8);
+    }
+  }
+}
+
+}  // namespace cliquevo::daemon

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/output.h"
+
+#include <utility>
+
+#include <spdlog/spdlog.h>
+
+namespace cliquevo::daemon {
+
+Result<std::unique_ptr<Output>> Output::make(Publisher publisher, const LcmConfig& config, const StereoModel& model,
+                                             const std::string& trajectory) {
+  const double images_rate_hz = config.images_channel.empty() ? 0.0 : config.images_rate_hz;
+  std::unique_ptr<Output> out(
+      new Output{std::move(publisher), {model.width, model.height, images_rate_hz}, std::nullopt, {}, {}});
+  if (trajectory.empty()) return out;
+  auto sink = TrajectorySink::open(trajectory);
+  if (!sink) return sink.error();
+  out->trajectory.emplace(std::move(*sink));
+  return out;
+}
+
+void Output::take(const PublishedFrame& frame) {
+  bool taken = publisher.publish(frame);
+  if (const TappedImages* images = tap.take()) {  // after the pose: nobody steers by a picture
+    taken = publisher.publish(*images) && taken;
+    tap.give_back();
+  }
+  if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
+    spdlog::warn("LCM does not take messages: further ones are only counted");
+  }
+  diagnostics.take(frame.estimate);
+  if (frame.estimate.status == vo::Status::valid) sent.valid.fetch_add(1, std::memory_order_relaxed);
+  if (trajectory) trajectory->append(frame.estimate.stamp_ns, frame.estimate.T_world_camera);
+}
+
+}  // namespace cliquevo::daemon

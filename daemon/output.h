@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What becomes of each estimate: messages, pictures, trajectory, counts. Runs on the output thread.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "core/base/result.h"
+#include "daemon/diagnostics.h"
+#include "daemon/lcm/image_tap.h"
+#include "daemon/lcm/publisher.h"
+#include "daemon/pipeline/config.h"
+#include "daemon/trajectory_sink.h"
+
+namespace cliquevo::daemon {
+
+struct Output {
+  // trajectory: the file to write; empty = none.
+  static Result<std::unique_ptr<Output>> make(Publisher publisher, const LcmConfig& config, const StereoModel& model,
+                                              const std::string& trajectory);
+  void take(const PublishedFrame& frame);
+
+  Publisher publisher;
+  ImageTap tap;
+  std::optional<TrajectorySink> trajectory;
+  SentCounts sent;
+  LatestDiagnostics diagnostics;
+};
+
+}  // namespace cliquevo::daemon

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The camera families, a row each: name (source.type), how a pair is opened, how cameras are listed.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/base/result.h"
+#include "drivers/frame_source.h"
+#include "drivers/live/camera_options.h"
+
+namespace cliquevo::daemon {
+
+struct CameraFamily {
+  const char* name;
+  const char* meaning;  // for people
+  // Null where the family's library was not found at build time.
+  Result<std::unique_ptr<drivers::FrameSource>> (*open)(const drivers::CameraOptions&, drivers::OpenTrouble&);
+  std::vector<drivers::SeenCamera> (*list)();
+
+  bool is_built_in() const { return open != nullptr; }
+};
+
+const std::vector<CameraFamily>& camera_families();
+
+}  // namespace cliquevo::daemon

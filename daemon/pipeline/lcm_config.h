@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is sent over LCM and on which channels. A new message is a file in daemon/lcmtypes, a field and a row here, and
+// its lines in daemon/lcm/publisher.cpp.
+#pragma once
+
+#include <string>
+
+namespace cliquevo::daemon {
+
+struct LcmConfig {
+  std::string url = "udpm://239.255.76.67:7667?ttl=0";
+  std::string delta_channel = "VO_DELTA_CAMERA";
+  std::string pose_channel = "POSE_BODY";
+  std::string status_channel = "VO_STATUS";
+  std::string delta_body_channel;  // empty = off, as all that are not required
+  std::string images_channel;
+  std::string movers_channel;
+  std::string health_channel = "VO_HEALTH";
+  double images_rate_hz = 2.0;
+  std::string command_channel;  // received: see CommandReceiver
+};
+
+// The channels that messages go out on, a row each.
+struct LcmChannel {
+  const char* key;  // within the section lcm
+  std::string LcmConfig::*name;
+  bool required;
+  const char* meaning;
+};
+inline constexpr std::size_t kLongestChannel = 63;  // LCM_MAX_CHANNEL_NAME_LENGTH
+inline constexpr LcmChannel kLcmChannels[] = {
+    {"delta_channel", &LcmConfig::delta_channel, true, "motion of the camera since the last valid frame"},
+    {"pose_channel", &LcmConfig::pose_channel, true, "pose of the body where it started"},
+    {"status_channel", &LcmConfig::status_channel, true, "status, counts, errors and times of each frame"},
+    {"delta_body_channel", &LcmConfig::delta_body_channel, false,
+     "the camera's motion as the body's, e.g. VO_DELTA_BODY; empty = not sent"},
+    {"images_channel", &LcmConfig::images_channel, false,
+     "rectified left image and disparity, e.g. VO_IMAGES; empty = not sent"},
+    {"movers_channel", &LcmConfig::movers_channel, false,
+     "things that move by themselves, e.g. VO_MOVERS; empty = not sent"},
+    {"health_channel", &LcmConfig::health_channel, false, "rates, latency, drops, once a second; empty = not sent"},
+};
+
+}  // namespace cliquevo::daemon

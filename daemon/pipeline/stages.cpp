@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "daemon/pipeline/stages.h"
+
+#include <string>
+#include <utility>
+
+namespace cliquevo::daemon {
+
+namespace {
+
+using drivers::SourceInfo;
+using drivers::StereoPair;
+using stereo::Eye;
+
+// Where the rectified eye shows anything that may be used: not the vehicle's own parts, not beyond the raw image's
+// edge. Empty: everywhere.
+Result<Image<std::uint8_t>> usable_area(const stereo::Rectifier& rectifier, Eye eye, ImageView<const std::uint8_t> mask,
+                                        const CameraCalibration& raw) {
+  Image<std::uint8_t> everything;
+  if (mask.empty()) {
+    everything.resize(raw.width, raw.height);
+    everything.fill(255);
+    mask = everything.cview();
+  }
+  Image<std::uint8_t> area(rectifier.model().width, rectifier.model().height);
+  if (auto ok = rectifier.rectify_mask(eye, mask, area.view()); !ok) return ok.error();
+  const ImageView<const std::uint8_t> view = area.cview();
+  for (int y = 0; y < view.height; ++y) {
+    for (int x = 0; x < view.width; ++x) {
+      if (view(x, y) == 0) return area;
+    }
+  }
+  return Image<std::uint8_t>{};
+}
+
+// Drops disparities whose right pixel must not be used: no feature, then, rests on it.
+void apply_right_mask(ImageView<const std::uint8_t> mask, ImageView<std::int16_t> disparity) {
+  constexpr int kHalf = kDisparityScale / 2;
+  for (int y = 0; y < disparity.height; ++y) {
+    std::int16_t* d = disparity.row(y);
+    const std::uint8_t* usable = mask.row(y);
+    for (int x = 0; x < disparity.width; ++x) {
+      if (d[x] == kUnknownDisparity) continue;
+      const int right_x = x - ((d[x] + kHalf) >> 4);
+      if (right_x >= 0 && right_x < disparity.width && usable[right_x] == 0) d[x] = kUnknownDisparity;
+    }
+  }
+}
+
+Error wrong_size(const char* eye, std::int64_t index, const Image<std::uint8_t>& image,
+                 const CameraCalibration& wanted) {
+  return {std::string(eye) + " image of another size", "pair " + std::to_string(index),
+          std::to_string(image.width()) + "x" + std::to_string(image.height()) + " where the calibration is for " +
+              std::to_string(wanted.width) + "x" + std::to_string(wanted.height) + ": give images of that size"};
+}
+
+}  // namespace
+
+StereoStage::StereoStage(const StereoCalibration& calibration, stereo::Rectifier rectifier, stereo::DenseStereo dense)
+    : calibration_(calibration), rectifier_(std::move(rectifier)), dense_(std::move(dense)) {}
+
+Result<StereoStage> StereoStage::make(const stereo::StereoParams& params, const SourceInfo& source,
+                                      const stereo::RectifyParams& rectify) {
+  auto rectifier = stereo::Rectifier::make(source.calibration, rectify);
+  if (!rectifier) return rectifier.error();
+  auto dense = stereo::DenseStereo::make(params, rectifier->model().width, rectifier->model().height);
+  if (!dense) return dense.error();
+  auto right_area = usable_area(*rectifier, Eye::right, source.right_mask.cview(), source.calibration.right);
+  if (!right_area) return right_area.error();
+  StereoStage stage(source.calibration, std::move(*rectifier), std::move(*dense));
+  stage.right_mask_ = std::move(*right_area);
+  return stage;
+}
+
+void StereoStage::prepare(StereoFrame& frame) const {
+  for (Image<std::uint8_t>* image : {&frame.left, &frame.right, &frame.filtered_left}) {
+    image->resize(model().width, model().height);
+    image->fill(0);  // touched: the pages are there
+  }
+  frame.disparity.resize(model().width, model().height);
+  frame.disparity.fill(kUnknownDisparity);
+}
+
+Result<void> StereoStage::run(const StereoPair& pair, StereoFrame& frame) {
+  const CameraCalibration& l = calibration_.left;
+  const CameraCalibration& r = calibration_.right;
+  if (!pair.left.cview().same_size(l.width, l.height)) return wrong_size("left", pair.index, pair.left, l);
+  if (!pair.right.cview().same_size(r.width, r.height)) return wrong_size("right", pair.index, pair.right, r);
+
+  const std::int64_t begin_ns = monotonic_ns();
+  if (auto ok = rectifier_.rectify(Eye::left, pair.left.cview(), frame.left.view()); !ok) return ok;
+  if (auto ok = rectifier_.rectify(Eye::right, pair.right.cview(), frame.right.view()); !ok) return ok;
+  const std::int64_t rectified_ns = monotonic_ns();
+  auto done =
+      dense_.compute(frame.left.cview(), frame.right.cview(), frame.filtered_left.view(), frame.disparity.view());
+  if (!done) return done;
+  if (!right_mask_.empty()) apply_right_mask(right_mask_.cview(), frame.disparity.view());
+  frame.times = {rectified_ns - begin_ns, monotonic_ns() - rectified_ns, 0};
+  return {};
+}
+
+OdometryStage::OdometryStage(vo::VisualOdometry odometry) : odometry_(std::move(odometry)) {}
+
+Result<OdometryStage> OdometryStage::make(const vo::VoParams& params, const SourceInfo& source,
+                                          const StereoStage& stereo) {
+  auto odometry = vo::VisualOdometry::make(stereo.model(), params);
+  if (!odometry) return odometry.error();
+  const auto area = usable_area(stereo.rectifier(), Eye::left, source.left_mask.cview(), source.calibration.left);
+  if (!area) return area.error();
+  if (!area->empty()) {
+    if (auto ok = odometry->set_mask(area->cview()); !ok) return ok.error();
+  }
+  return OdometryStage(std::move(*odometry));
+}
+
+Result<void> OdometryStage::run(TimestampNs stamp_ns, StereoFrame& frame) {
+  const std::int64_t begin_ns = monotonic_ns();
+  auto done = odometry_.process(
+      {stamp_ns, frame.left.cview(), frame.right.cview(), frame.filtered_left.cview(), frame.disparity.cview()});
+  frame.times.odometry_ns = monotonic_ns() - begin_ns;
+  return done;
+}
+
+}  // namespace cliquevo::daemon

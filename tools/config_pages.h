@@ -1,0 +1,15 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What is written from the table of configuration keys: the sample file, the page on it, a JSON schema for editors, and
+// the words for completion in a shell.
+#pragma once
+
+#include <string>
+
+namespace cliquevo::tools {
+
+std::string config_sample();      // config/cliquevo.yaml
+std::string config_page();        // docs/configuration.md
+std::string config_schema();      // config/cliquevo.schema.json
+std::string config_completion();  // config/completion.bash
+
+}  // namespace cliquevo::tools
