@@ -208,6 +208,8 @@ void watch(Pipeline& pipeline, Output& output, Recording& recording, Commands& c
 
 }  // namespace
 
+int unexpected_end() { return Service::is_managed() ? kStartAgain : kBadInput; }
+
 int check(const DaemonOptions& options) {
   const auto config = load(options);
   if (!config) return report(config.error()), kBadInput;
@@ -324,7 +326,8 @@ int run(const DaemonOptions& options) {
   if (output.trajectory) {
     if (const auto ok = output.trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);
   }
-  if (const auto ok = pipeline->outcome(); !ok) exit_code = (report(ok.error()), kBadInput);
+  if (const auto ok = pipeline->outcome(); !ok)
+    exit_code = (report(ok.error()), info_live ? unexpected_end() : kBadInput);
   return exit_code;
 }
 
