@@ -61,7 +61,7 @@ TEST(LargeSensor, AMinuteOfFiveMegapixelsAt30HzDropsNothing) {
   Subprocess daemon({binary("cliquevod"), "--config", dir + "/c.yaml"});
   const auto begin = steady_clock::now();
   const auto passed_s = [&] { return std::chrono::duration<double>(steady_clock::now() - begin).count(); };
-  nlohmann::json first;
+  nlohmann::json first = nlohmann::json::object();
   while (first.value("poses_sent", 0) == 0 && passed_s() < 60.0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
     first = status_of(dir + "/control");
