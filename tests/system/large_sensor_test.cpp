@@ -55,7 +55,7 @@ TEST(LargeSensor, AMinuteOfFiveMegapixelsAt30HzDropsNothing) {
   const std::string dir = scratch_dir();
   const std::string log = recorded_pairs(dir);
   std::ofstream(dir + "/c.yaml") << fmt::format(
-      "source: {{type: recording, path: {}, loop: pingpong}}\nrectify: {{scale: auto}}\n"
+      "source: {{type: recording, recording: {{path: {}}}, loop: pingpong}}\nrectify: {{scale: auto}}\n"
       "control: {{socket: {}/control}}\nlcm: {{url: \"memq://\"}}\n",
       log, dir);
   Subprocess daemon({binary("cliquevod"), "--config", dir + "/c.yaml"});
