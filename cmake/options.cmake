@@ -24,7 +24,10 @@ foreach(flag -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion
   target_compile_options(cliquevo_options INTERFACE $<BUILD_INTERFACE:${flag}>)  # ours, not those of who links us
 endforeach()
 if(CLIQUEVO_SANITIZE)
-  target_compile_options(cliquevo_options INTERFACE -fsanitize=${CLIQUEVO_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
+  # A target whose property CLIQUEVO_UNSANITIZED is on is compiled without.
+  target_compile_options(cliquevo_options INTERFACE
+    $<$<NOT:$<BOOL:$<TARGET_PROPERTY:CLIQUEVO_UNSANITIZED>>>:-fsanitize=${CLIQUEVO_SANITIZE}>
+    -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(cliquevo_options INTERFACE -fsanitize=${CLIQUEVO_SANITIZE})
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # The sanitizers' own code misleads these two; the plain builds have them on.

@@ -191,11 +191,15 @@ int Daemon::close() {
   if (output_->trajectory) {
     if (const auto ok = output_->trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);
   }
-  if (const auto ok = pipeline_->outcome(); !ok) exit_code = (report(ok.error()), kBadInput);
+  if (const auto ok = pipeline_->outcome(); !ok) {
+    exit_code = (report(ok.error()), live_ ? unexpected_end() : kBadInput);
+  }
   return exit_code;
 }
 
 }  // namespace
+
+int unexpected_end() { return Service::is_managed() ? kStartAgain : kBadInput; }
 
 int check(const DaemonOptions& options) {
   const auto config = load_config(options.config);

@@ -7,7 +7,11 @@
 namespace cliquevo::daemon {
 
 // The project's table of exit codes.
-enum ExitCode : int { kDone = 0, kBadInput = 1, kWrongUsage = 2 };
+// kStartAgain: of a service alone, after what another start may cure; the unit restarts it, as it does not after 1
+// and 2.
+enum ExitCode : int { kDone = 0, kBadInput = 1, kWrongUsage = 2, kStartAgain = 75 };
+// The code of an end that no input explains: no memory left, a library at its end, a stage that failed on live images.
+int unexpected_end();
 
 struct DaemonOptions {
   std::string config;      // file; empty = the compiled defaults

@@ -45,7 +45,7 @@ int main(int argc, char** argv) {
     exit_code = run_line(argc, argv);
   } catch (...) {  // out of memory, a library at its end
     cliquevo::print_error_line(cliquevo::caught("cliquevod").line());
-    return kBadInput;
+    return unexpected_end();
   }
   if (const auto ok = cliquevo::flush_stdout(); !ok && exit_code == kDone) {
     cliquevo::print_error_line(ok.error().line());

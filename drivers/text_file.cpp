@@ -88,7 +88,8 @@ Result<std::string> read_text_file(const std::string& path, const std::string& k
   }
   text = utf8_of(std::move(text));
   if (text.find('\0') != std::string::npos) {
-    return Error{kind + " holds NUL bytes", path, "it is torn or no text: copy it again"};
+    return Error{kind + " holds NUL bytes", path,
+                 "it is torn (copy it again) or no text (NumPy, MATLAB, pickle: save it as YAML or JSON)"};
   }
   if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
   return text;

@@ -133,6 +133,7 @@ double fit_focal_length(const Pair& pair, const StereoCalibration& calibration, 
     for (const Eigen::Vector2d& d :
          {Eigen::Vector2d(step, 0), Eigen::Vector2d(-step, 0), Eigen::Vector2d(0, step), Eigen::Vector2d(0, -step)}) {
       const Eigen::Vector2d trial = middle + d;
+      if (!pair.filled(f, trial.x(), trial.y())) continue;  // nor with a shorter one
       const double f_trial = pair.shortest_focal_length(shortest, longest, trial.x(), trial.y());
       if (f_trial < f) {
         f = f_trial;

@@ -4,11 +4,15 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <future>
 #include <mutex>
 #include <netdb.h>
+#include <optional>
 #include <poll.h>
 #include <sys/socket.h>
+#include <thread>
 #include <unistd.h>
 #include <utility>
 #include <vector>
@@ -21,6 +25,7 @@ namespace cliquevo::daemon {
 namespace {
 
 constexpr std::int64_t kMillisecondNs = 1'000'000;
+constexpr std::chrono::milliseconds kNamePatience{500};     // for the name server
 constexpr std::int64_t kGreetingNs = 500 * kMillisecondNs;  // less than the watchdog's patience
 constexpr std::int64_t kSlowNs = 50 * kMillisecondNs;       // waited for a server that reads slowly
 constexpr std::int64_t kFarewellNs = 500 * kMillisecondNs;
@@ -34,6 +39,47 @@ constexpr std::uint32_t kPublish = 1;
 
 void put(std::vector<std::uint8_t>& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<std::uint8_t>(value >> shift));
+}
+
+// What getaddrinfo() found: its error, or the address.
+struct Resolved {
+  int error = 0;
+  sockaddr_in address{};
+};
+
+Resolved ask_name_server(const ServerUrl& server, int flags) {
+  addrinfo hints{};
+  hints.ai_flags = flags;
+  hints.ai_family = AF_INET;
+  hints.ai_socktype = SOCK_STREAM;
+  addrinfo* found = nullptr;
+  Resolved out;
+  out.error = ::getaddrinfo(server.host.c_str(), std::to_string(server.port).c_str(), &hints, &found);
+  if (out.error != 0) return out;
+  std::memcpy(&out.address, found->ai_addr, sizeof out.address);
+  ::freeaddrinfo(found);
+  return out;
+}
+
+// A name server that does not answer holds up who asks for half a minute and cannot be left alone: it is asked on a
+// thread that is left to itself, one at a time. Nothing: no answer yet; who comes again for the same name gets it then.
+std::optional<Resolved> resolve(const ServerUrl& server) {
+  if (const Resolved plain = ask_name_server(server, AI_NUMERICHOST); plain.error == 0) return plain;
+  static std::mutex mutex;
+  static std::string asked;  // host and port
+  static std::shared_future<Resolved> answer;
+  const std::lock_guard<std::mutex> lock(mutex);
+  const std::string name = server.host + ":" + std::to_string(server.port);
+  if (!answer.valid() || asked != name) {
+    std::promise<Resolved> promise;
+    answer = promise.get_future().share();
+    asked = name;
+    std::thread([server, promise = std::move(promise)]() mutable {
+      promise.set_value(ask_name_server(server, 0));
+    }).detach();
+  }
+  if (answer.wait_for(kNamePatience) != std::future_status::ready) return std::nullopt;
+  return std::exchange(answer, {}).get();
 }
 
 }  // namespace
@@ -141,15 +187,14 @@ struct TcpqClient::Impl {
 Result<std::unique_ptr<TcpqClient>> TcpqClient::open(const std::string& url) {
   const auto address = parse_server_url(url);
   if (!address) return address.error();
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int failed = ::getaddrinfo(address->host.c_str(), std::to_string(address->port).c_str(), &hints, &found);
-  if (failed != 0) return Error{"unknown host in the LCM URL", url, ::gai_strerror(failed)};
+  const auto resolved = resolve(*address);
+  if (!resolved) {
+    return Error{"the LCM server's name is not known yet: the name server says nothing", url,
+                 "write the server's address in place of its name, or see to the name server"};
+  }
+  if (resolved->error != 0) return Error{"unknown host in the LCM URL", url, ::gai_strerror(resolved->error)};
   auto impl = std::make_unique<Impl>();
-  std::memcpy(&impl->server, found->ai_addr, sizeof impl->server);
-  ::freeaddrinfo(found);
+  impl->server = resolved->address;
   const bool ready = impl->wait(kGreetingNs, [&] { return impl->state == Impl::State::ready; });
   if (!ready) {
     if (impl->problem.empty()) impl->problem = "the LCM server says nothing";

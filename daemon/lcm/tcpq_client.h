@@ -13,7 +13,7 @@ namespace cliquevo::daemon {
 
 class TcpqClient {
  public:
-  // Connects and greets within half a second.
+  // Asks for the host's address, then connects and greets: half a second each at most.
   static Result<std::unique_ptr<TcpqClient>> open(const std::string& url);
   ~TcpqClient();  // waits a moment for what is still to be sent
   TcpqClient(const TcpqClient&) = delete;

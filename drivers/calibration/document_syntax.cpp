@@ -21,6 +21,17 @@ constexpr int kDeepest = 16;
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
 
+// A key's colon with its value right behind it: "data:[", and "rows:3", "dt:d" of a matrix.
+bool is_tight(std::string_view text, std::size_t colon) {
+  if (colon == 0 || !is_word(text[colon - 1]) || colon + 1 >= text.size()) return false;
+  if (text[colon + 1] == '[') return true;
+  std::size_t begin = colon;
+  while (begin > 0 && is_word(text[begin - 1])) --begin;
+  const std::string_view key = text.substr(begin, colon - begin);
+  const bool of_a_matrix = key == "rows" || key == "cols" || key == "dt";
+  return of_a_matrix && is_word(text[colon + 1]) && (begin == 0 || text[begin - 1] == ' ' || text[begin - 1] == '\n');
+}
+
 // What OpenCV's parser takes and YAML does not, made YAML; the lines stay.
 std::string as_yaml(std::string_view text) {
   std::string out;
@@ -34,8 +45,7 @@ std::string as_yaml(std::string_view text) {
       continue;
     }
     out += c;
-    const bool tight = c == ':' && i > 0 && is_word(text[i - 1]) && i + 1 < text.size() && text[i + 1] == '[';
-    if (tight) out += ' ';
+    if (c == ':' && is_tight(text, i)) out += ' ';
   }
   return out;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <vector>
 
 #include "drivers/calibration/format.h"
@@ -88,7 +89,15 @@ std::string find_in(const std::string& folder) {
   files.erase(std::remove_if(files.begin(), files.end(), [](const std::string& path) { return is_right_eye(path); }),
               files.end());
   if (files.empty()) return {};
-  return files.size() == 1 ? files.front() : folder;
+  if (files.size() == 1) return files.front();
+  // Beside other files (their pose alone, say) two that are named as a pair are the calibration.
+  std::vector<std::string> pairs;
+  std::copy_if(files.begin(), files.end(), std::back_inserter(pairs), [](const std::string& path) {
+    const std::vector<std::string> others = other_eye_paths(path);
+    std::error_code none;
+    return std::any_of(others.begin(), others.end(), [&](const std::string& o) { return fs::exists(o, none); });
+  });
+  return pairs.size() == 1 ? pairs.front() : folder;
 }
 
 }  // namespace

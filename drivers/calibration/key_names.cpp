@@ -171,7 +171,7 @@ bool is_rotation_word(const std::string& w) {
   return w == "r" || w.starts_with("rot") || among(w, {"rmat", "om", "rvec", "rodrigues"});
 }
 bool is_translation_word(const std::string& w) {
-  return w == "t" || w == "trans" || w.starts_with("transl") || w == "tvec";
+  return among(w, {"t", "trans", "trns", "tvec"}) || w.starts_with("transl");
 }
 
 Quantity array(const Words& words, std::size_t count) {

@@ -333,6 +333,27 @@ bool has_cameras(const Keys& keys) {
   return false;
 }
 
+// The cameras' own files beside one that holds their pose alone.
+bool add_cameras_beside(const std::string& path, const OtherFile& other, Keys& keys) {
+  for (const char* side : {"left", "right"}) {
+    std::vector<std::string> paths;
+    for (const std::string extension : {".yml", ".yaml", ".xml", ".json"}) {
+      for (const char* pattern : {"{}", "camera_{}", "{}_camera", "cam_{}", "{}_cam", "intrinsics_{}", "{}_intrinsics",
+                                  "calib_{}", "{}_calib", "calibration_{}", "{}_calibration"}) {
+        paths.push_back(beside(path, fmt::format(fmt::runtime(pattern), side) + extension));
+      }
+      paths.push_back(beside(path, (side[0] == 'l' ? "cam0" : "cam1") + extension));
+    }
+    const auto camera = read_other(other, paths);
+    if (!camera) return false;
+    DocumentNode root;
+    root.kind = DocumentNode::Kind::map;
+    root.entries.push_back({side, camera->root()});
+    keys.add(Document::of(std::move(root), camera->path()));
+  }
+  return true;
+}
+
 bool has_pose(const Keys& keys) {
   const bool matrices = keys.has(Quantity::translation) && keys.has(Quantity::rotation);
   return matrices || keys.has(Quantity::pose) || keys.has(Quantity::projection, KeySide::right) ||
@@ -366,9 +387,11 @@ Result<StereoCalibration> read_keyed(const CalibrationText& file, const Calibrat
   }
   const auto second = read_other(other, paths);
   if (!second && projections && !keys.has(Quantity::translation)) return rig_of(keys, file.path, request);
+  if (!second && !cameras && add_cameras_beside(file.path, other, keys)) return rig_of(keys, file.path, request);
   if (!second) {
     return cameras ? Error{"calibration lacks R and T between the eyes", file.path, "name the stereo file"}
-                   : Error{"calibration lacks the camera matrices", file.path, "name the stereo file"};
+                   : Error{"calibration lacks the camera matrices", file.path,
+                           "name the file that holds them too, or put them beside it as left.yml and right.yml"};
   }
   keys.add(*second);
   return rig_of(keys, file.path, request);

@@ -84,7 +84,13 @@ Result<void> find_stamps(Layout& layout, const std::string& top) {
     if (!layout.side_by_side) stamps_from_names(layout.right, notes);
     return {};
   }
-  return times.empty() ? Result<void>{} : stamps_from_file(times, layout.left, layout.notes);
+  if (!times.empty()) return stamps_from_file(times, layout.left, layout.notes);
+  const std::string left_list = find_image_list(shared, layout.left);
+  if (left_list.empty()) return {};
+  layout.notes.push_back("times from " + fs::path(left_list).filename().string());
+  if (auto ok = stamps_from_file(left_list, layout.left, layout.notes); !ok || same) return ok;
+  const std::string right_list = find_image_list(shared, layout.right);
+  return right_list.empty() ? Result<void>{} : stamps_from_file(right_list, layout.right, notes);
 }
 
 }  // namespace cliquevo::drivers

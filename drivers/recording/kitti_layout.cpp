@@ -60,7 +60,9 @@ Result<std::optional<Layout>> find_drive(const fs::path& root, const std::string
     layout.left_camera = first;
     layout.right_camera = first + 1;
     if (const auto ok = list_eyes(layout, (left / images).string(), (right / images).string()); !ok) return ok.error();
-    if (const std::string times = find_times(left.string()); !times.empty()) {
+    std::string times = find_times(left.string());
+    if (times.empty()) times = find_times(root.string());
+    if (!times.empty()) {
       if (const auto ok = stamps_from_file(times, layout.left, layout.notes); !ok) return ok.error();
     }
     layout.calibration = calibration_of_drive(root);
@@ -91,7 +93,12 @@ Result<std::optional<Layout>> find_kitti_odometry(const std::string& path) {
     layout.right_camera = first + 1;
     layout.calibration = (root / "calib.txt").string();
     if (const auto ok = list_eyes(layout, left.string(), right.string()); !ok) return ok.error();
-    if (const std::string times = find_times(path); !times.empty()) {
+    std::string times = find_times(path);
+    if (times.empty()) {
+      times = find_image_list(path, layout.left);
+      if (!times.empty()) layout.notes.push_back("times from " + fs::path(times).filename().string());
+    }
+    if (!times.empty()) {
       if (const auto ok = stamps_from_file(times, layout.left, layout.notes); !ok) return ok.error();
     }
     return std::optional<Layout>(std::move(layout));

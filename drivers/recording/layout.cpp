@@ -130,7 +130,7 @@ void collect(const fs::path& folder, std::vector<std::string>& parts, int depth,
 std::string what_is_there(const std::string& path) {
   constexpr std::size_t kMostNames = 6;
   std::string out;
-  const std::vector<ImageFolder> folders = folders_with_images(path, 3);
+  const std::vector<ImageFolder> folders = folders_with_images(path, 5);
   for (std::size_t i = 0; i < std::min(folders.size(), kMostNames); ++i) {
     const Result<Eye> eye = list_eye(folders[i].path);
     std::string name;
@@ -141,7 +141,7 @@ std::string what_is_there(const std::string& path) {
   }
   if (folders.size() > kMostNames)
     out += ", and " + std::to_string(folders.size() - kMostNames) + " more folders of images";
-  return out.empty() ? "no image in it, nor three levels down" : out;
+  return out.empty() ? "no image in it, nor five levels down" : out;
 }
 
 }  // namespace
@@ -172,7 +172,7 @@ const std::vector<LayoutKind>& layout_kinds() {
       {"EuRoC (mav0/cam0, mav0/cam1)", find_euroc},
       {"KITTI raw and KITTI-360 (image_00/data, image_01/data; image_00/data_rect, ...)", find_kitti_raw},
       {"KITTI odometry (image_0, image_1, calib.txt)", find_kitti_odometry},
-      {"two folders, up to three levels down, whose names differ in left/right, l/r, 0/1, 1/2 or the like",
+      {"two folders, up to five levels down, whose names differ in left/right, l/r, 0/1, 1/2 or the like",
        find_two_folders},
       {"one folder with images whose names differ so", find_names_in_one_folder},
       {"side-by-side images, where their halves match (or --side-by-side says so)", find_side_by_side},
@@ -195,7 +195,7 @@ Result<Layout> find_layout(const std::string& path, bool side_by_side) {
     if (*found) return std::move(**found);
     looked_for += (looked_for.empty() ? "" : "; ") + std::string(kind.looks_like);
   }
-  return Error{"no stereo recording", path, "there is " + what_is_there(path) + "; looked for " + looked_for};
+  return Error{"no stereo recording", path, "found " + what_is_there(path) + "; looked for " + looked_for};
 }
 
 }  // namespace cliquevo::drivers

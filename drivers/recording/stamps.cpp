@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <tuple>
 
 #include <fmt/format.h>
@@ -20,6 +21,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBytes = 256U << 20U;
+// Whose times are not the cameras'; and an eye's own, which count for that eye alone.
+constexpr std::array<const char*, 14> kOtherSensors{"imu",   "lidar", "velo",  "laser", "gps",  "gnss",  "ins_",
+                                                    "radar", "odom",  "event", "depth", "left", "right", "pose"};
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
@@ -123,6 +127,13 @@ std::pair<std::size_t, std::size_t> common_ends(const std::vector<EyeImage>& ima
   const auto is_part = [](char c) { return is_digit(c) || c == '.' || c == '-'; };
   while (before > 0 && is_part(first[before - 1])) --before;
   while (after > 0 && is_part(first[first.size() - after])) --after;
+  // "1614681437_894528000": where the seconds are the same in all names, they belong to the time as well.
+  if (before > 0 && first[before - 1] == '_') {
+    std::size_t begin = before - 1;
+    while (begin > 0 && is_digit(first[begin - 1])) --begin;
+    const std::size_t digits = before - 1 - begin;
+    if (digits == 9 || digits == 10) before = begin;
+  }
   if (before + after >= first.size()) after = 0;
   return {before, after};
 }
@@ -251,24 +262,72 @@ bool stamps_from_names(Eye& eye, std::vector<std::string>& notes) {
   return true;
 }
 
+namespace {
+
+// Times of cameras, by a name that only tells so among others ("stereo.timestamps", "camera_timestamps.txt").
+bool is_times_name(const std::string& name) {
+  const auto has = [&](const char* word) { return name.find(word) != std::string::npos; };
+  const auto ends = [&](const char* extension) { return name.ends_with(extension); };
+  if (!ends(".txt") && !ends(".csv") && !ends(".tsv") && !ends(".timestamps")) return false;
+  if (!has("time") && !has("stamp")) return false;
+  return std::none_of(kOtherSensors.begin(), kOtherSensors.end(), has);
+}
+
+}  // namespace
+
 std::string find_times(const std::string& folder) {
   static constexpr std::array<const char*, 7> kStems{"times",       "timestamps", "timestamp",       "time",
                                                      "time_stamps", "stamps",     "image_timestamps"};
   static constexpr std::array<const char*, 5> kExtensions{".txt", ".csv", ".tsv", ".dat", ""};
   std::error_code ec;
   std::map<std::size_t, std::string> found;  // by preference
+  std::vector<std::string> others;
   for (fs::directory_iterator entry(folder, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
     std::string name = entry->path().filename().string();
     for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    std::error_code ignored;
+    if (is_times_name(name) && entry->is_regular_file(ignored)) others.push_back(entry->path().string());
     if (name.front() != 't' && name.front() != 's' && name.front() != 'i') continue;
     for (std::size_t i = 0; i < kStems.size() * kExtensions.size(); ++i) {
       if (name != std::string(kStems[i / kExtensions.size()]) + kExtensions[i % kExtensions.size()]) continue;
-      if (entry->is_directory(ec)) break;
+      if (entry->is_directory(ignored)) break;
       std::string& place = found[i];
       if (place.empty() || entry->path().string() < place) place = entry->path().string();
     }
   }
-  return found.empty() ? std::string{} : found.begin()->second;
+  if (!found.empty()) return found.begin()->second;
+  return others.size() == 1 ? others.front() : std::string{};
+}
+
+std::string find_image_list(const std::string& folder, const Eye& eye) {
+  constexpr std::size_t kMostFiles = 50;
+  std::error_code ec;
+  std::vector<fs::path> files;
+  for (fs::directory_iterator entry(folder, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
+    const std::string extension = entry->path().extension().string();
+    std::error_code ignored;
+    if (extension != ".txt" && extension != ".csv" && extension != ".tsv") continue;
+    if (entry->is_regular_file(ignored) && files.size() < kMostFiles) files.push_back(entry->path());
+  }
+  std::sort(files.begin(), files.end());
+  std::set<std::string> names;
+  const std::string own = fs::path(eye.folder).filename().string();
+  for (const EyeImage& image : eye.images) names.insert(image.name);
+  const auto is_here = [&](const std::string& word) {
+    const fs::path path(word);
+    if (!is_image_name(word) || names.count(image_named(word)) == 0) return false;
+    return !path.has_parent_path() || path.parent_path().filename().string() == own;
+  };
+  for (const fs::path& file : files) {
+    const Result<std::string> text = read_text_file(file.string(), "times file", kMostBytes);
+    const Result<TimesTable> table = text ? parse_times(*text, file.string()) : text.error();
+    if (!table) continue;
+    const auto named = std::count_if(table->rows.begin(), table->rows.end(), [&](const StampRow& row) {
+      return std::any_of(row.words.begin(), row.words.end(), is_here);
+    });
+    if (2 * static_cast<std::size_t>(named) > eye.images.size()) return file.string();
+  }
+  return {};
 }
 
 Result<RisingStamps> make_rising(const std::vector<TimestampNs>& stamps, const std::string& where) {

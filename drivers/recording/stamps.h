@@ -26,6 +26,9 @@ bool stamps_from_names(Eye& eye, std::vector<std::string>& notes);
 // The times file in a folder (times.txt, timestamps.csv, ..., in any case); empty = none.
 std::string find_times(const std::string& folder);
 
+// The file in a folder whose rows name most of this eye's images, whatever it is called; empty = none.
+std::string find_image_list(const std::string& folder, const Eye& eye);
+
 // Stamps in the order in which the pairs were recorded, made to rise.
 struct RisingStamps {
   std::vector<TimestampNs> stamps_ns;

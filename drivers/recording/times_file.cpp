@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -127,7 +128,16 @@ std::optional<TimeColumns> find_time(const std::vector<Column>& columns, const s
     }
   };
   take(0, 2, true);
-  if (choice.empty()) take(2, kMostColumns, true);
+  // Numbers that only count are no times where others rise behind them.
+  const bool only_counts =
+      std::all_of(choice.begin(), choice.end(), [&](std::size_t i) { return columns[i].counting; });
+  if (only_counts) {
+    const std::vector<std::size_t> counts = std::exchange(choice, {});
+    take(2, kMostColumns, true);
+    std::erase_if(choice,
+                  [&](std::size_t i) { return !counts.empty() && columns[i].whole && columns[i].most < kLeastEpoch; });
+    if (choice.empty()) choice = counts;
+  }
   if (choice.empty()) take(0, 2, false);
   const auto keep_if = [&](auto good) {
     std::vector<std::size_t> kept;

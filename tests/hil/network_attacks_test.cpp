@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <filesystem>
 #include <fstream>
+#include <sys/mount.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -298,17 +299,16 @@ class BadServer {
   std::vector<int> accepted_;
 };
 
-TEST(SilentServer, EndsAStartByHandAtOnceAndIsWaitedForByTheService) {
-  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
-  const BadServer server(/*greets=*/false);
+// By hand it ends soon with a line that says this; the service waits, and ends when it is asked to.
+void expect_bounded_start(const std::string& url, const std::string& said) {
   const std::string dir = scratch_dir();
   std::ofstream(dir + "/c.yaml") << "source: {loop: pingpong, simulator: {width: 160, height: 120, focal_px: 175, "
                                     "frames: 4, cache_dir: none}}\nstereo: {num_disparities: 48}\nlcm: {url: \"" +
-                                        server.url + "\"}\n";
+                                        url + "\"}\n";
   const auto begin = steady_clock::now();
   const Finished by_hand = Subprocess({binary("cliquevod"), "--config", dir + "/c.yaml"}).wait(30.0);
   EXPECT_EQ(by_hand.exit_code, 1);
-  EXPECT_NE(by_hand.err.find("the LCM server says nothing"), std::string::npos) << by_hand.err;
+  EXPECT_NE(by_hand.err.find(said), std::string::npos) << by_hand.err;
   EXPECT_LT(seconds_since(begin), 10.0);
 
   Subprocess service({binary("cliquevod"), "--config", dir + "/c.yaml"}, {{"NOTIFY_SOCKET", dir + "/notify"}});
@@ -317,6 +317,32 @@ TEST(SilentServer, EndsAStartByHandAtOnceAndIsWaitedForByTheService) {
   service.send(SIGTERM);
   EXPECT_EQ(service.wait(30.0).exit_code, 0);
   EXPECT_LT(seconds_since(asked), 2.0);
+}
+
+TEST(SilentServer, EndsAStartByHandAtOnceAndIsWaitedForByTheService) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  const BadServer server(/*greets=*/false);
+  expect_bounded_start(server.url, "the LCM server says nothing");
+}
+
+TEST(SilentServer, WhoseNameNoNameServerTellsHoldsUpNeitherStartNorEnd) {
+  CLIQUEVO_NEEDS_PRIVATE_NETWORK();
+  const std::string settings = scratch_dir() + "/resolv.conf";
+  std::ofstream(settings) << "nameserver 127.0.0.9\n";
+  // Takes what it is asked and says nothing.
+  const int name_server = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  sockaddr_in at{};
+  at.sin_family = AF_INET;
+  at.sin_port = htons(53);
+  ::inet_pton(AF_INET, "127.0.0.9", &at.sin_addr);
+  ASSERT_EQ(::bind(name_server, reinterpret_cast<const sockaddr*>(&at), sizeof at), 0);
+  if (::unshare(CLONE_NEWNS) != 0 || ::mount("none", "/", nullptr, MS_REC | MS_PRIVATE, nullptr) != 0 ||
+      ::mount(settings.c_str(), "/etc/resolv.conf", nullptr, MS_BIND, nullptr) != 0) {
+    GTEST_SKIP() << "needs the right to mount";
+  }
+  expect_bounded_start("tcpq://lcm-server.example:7700", "the name server says nothing");
+  ::umount2("/etc/resolv.conf", MNT_DETACH);
+  ::close(name_server);
 }
 
 TEST(SilentServer, ThatReadsNothingHoldsUpNeitherPosesNorTheEnd) {

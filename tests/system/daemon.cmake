@@ -27,4 +27,6 @@ if(TARGET cliquevod)
     LIBRARIES cliquevo_recording PkgConfig::LCM DEPENDS cliquevod cliquevo)
   cliquevo_add_test(test_recording_soak bench SOURCES recording_soak_test.cpp LIBRARIES cliquevo_recording
     DEPENDS cliquevod TIMEOUT 900 ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
+  cliquevo_add_test(test_large_sensor bench SOURCES large_sensor_test.cpp LIBRARIES fmt::fmt nlohmann_json::nlohmann_json
+    DEPENDS cliquevod cliquevo TIMEOUT 900 ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
 endif()

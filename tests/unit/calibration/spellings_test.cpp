@@ -2,6 +2,7 @@
 // One rig in the spellings of many programs and people: the words in a key count, not how they are joined.
 #include <fmt/format.h>
 
+#include "drivers/calibration/calibration.h"
 #include "drivers/calibration_file.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/recording/fixtures.h"
@@ -66,11 +67,54 @@ TEST(spellings, names_of_matrices_in_all_orders_and_joints) {
       {"K_l", "K_r", "D_l", "D_r", "R", "T"},
       {"intrinsic_matrix_left", "intrinsic_matrix_right", "distortion_left", "distortion_right", "R", "T"},
       {"mtxL", "mtxR", "distL", "distR", "R", "T"},
+      {"camMatL", "camMatR", "distL", "distR", "Rot", "Trns"},
   };
   const std::string dir = test::scratch_dir();
   for (const Names& names : spellings) {
     expect_rig(read_calibration(write_file(dir + "/rig.yml", file_of(rig, names)), 640, 480), rig, names.K_left);
   }
+}
+
+TEST(spellings, values_right_behind_their_colons) {
+  const test::Rig rig = test::make_rig();
+  std::string text = file_of(rig, {"K1", "K2", "D1", "D2", "R", "T"});
+  for (const char* key : {"rows", "cols", "dt", "data"}) {
+    for (std::size_t at = text.find(std::string(key) + ": "); at != std::string::npos;
+         at = text.find(std::string(key) + ": ")) {
+      text.erase(at + std::string(key).size() + 1, 1);
+    }
+  }
+  expect_rig(read_calibration(write_file(test::scratch_dir() + "/rig.yml", text), 640, 480), rig, text.substr(0, 80));
+}
+
+TEST(spellings, the_cameras_files_beside_the_one_with_their_pose) {
+  const test::Rig rig = test::make_rig();
+  const std::string dir = test::scratch_dir();
+  const auto camera = [](const Eigen::Matrix3d& K, const std::vector<double>& D) {
+    return "%YAML:1.0\n---\n" + matrix("camera_matrix", 3, 3, list_of(K)) +
+           matrix("distortion_coefficients", 1, 5, list_of(D));
+  };
+  const std::string pose = write_file(
+      dir + "/stereo.yml", "%YAML:1.0\n---\n" + matrix("R", 3, 3, list_of(Eigen::MatrixXd(rig.T_right_left.R))) +
+                               matrix("T", 3, 1, list_of(Eigen::MatrixXd(rig.T_right_left.t))));
+  write_file(dir + "/left.yml", camera(rig.K_left, rig.D_left));
+  const auto lacks = read_calibration(pose, 640, 480);
+  ASSERT_FALSE(lacks.ok());
+  test::expect_clear(lacks.error(), {"lacks the camera matrices", "left.yml and right.yml"});
+  write_file(dir + "/right.yml", camera(rig.K_right, rig.D_right));
+  expect_rig(read_calibration(dir, 640, 480), rig, "beside");
+}
+
+TEST(spellings, a_pair_of_files_counts_as_one_beside_their_pose) {
+  const test::Rig rig = test::make_rig();
+  const std::string dir = test::scratch_dir();
+  write_file(dir + "/rig_left.yaml", test::ros_yaml(rig, true));
+  write_file(dir + "/rig_right.yaml", test::ros_yaml(rig, false));
+  write_file(dir + "/rig_pose.yaml",
+             "%YAML:1.0\n---\ncamera_name: rig\n" +
+                 matrix("rotation_matrix", 3, 3, list_of(Eigen::MatrixXd(rig.T_right_left.R))) +
+                 matrix("translation_matrix", 3, 1, list_of(Eigen::MatrixXd(rig.T_right_left.t))));
+  EXPECT_EQ(find_calibration(dir), dir + "/rig_left.yaml");
 }
 
 TEST(spellings, maps_an_eye_in_yaml_and_json) {

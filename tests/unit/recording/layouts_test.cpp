@@ -79,6 +79,7 @@ TEST(layouts, folders_that_differ_in_what_tells_left_from_right) {
            {"undistorted_images/cam0/{:04}.png", "undistorted_images/cam1/{:04}.png"},
            {"train-left-image/2018-07-09/{:04}.png", "train-right-image/2018-07-09/{:04}.png"},
            {"left-image-half-size/{:04}.png", "right-image-half-size/{:04}.png"},
+           {"device_0/sensor_0/Infrared_1/image/data/{:04}.png", "device_0/sensor_0/Infrared_2/image/data/{:04}.png"},
            {"left/left_{:04}.png", "right/right_{:04}.png"},
            {"left/frame{:04}_left.png", "right/frame{:04}_right.png"},
        }) {

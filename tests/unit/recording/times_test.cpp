@@ -55,6 +55,8 @@ TEST(times_file, ten_hertz_however_it_is_written) {
            "2021-03-02T11:37:17.894528+01:00\n2021-03-02T11:37:17.994528+01:00\n2021-03-02T11:37:18.094528+01:00\n",
            "2021-03-02 05:07:17,894528-0530\n2021-03-02 05:07:17,994528-0530\n2021-03-02 05:07:18,094528-0530\n",
            "a.png,2021/03/02 10:37:17.894528\nb.png,2021/03/02 10:37:17.994528\nc.png,2021/03/02 10:37:18.094528\n",
+           "id,left,right,t\n0,l/0.png,r/0.png,1614681437.894528\n1,l/1.png,r/1.png,1614681437.994528\n"
+           "2,l/2.png,r/2.png,1614681438.094528\n",
            "\"2021-03-02 10:37:17.894528\",1\n\"2021-03-02 10:37:17.994528\",2\n\"2021-03-02 10:37:18.094528\",3\n",
        }) {
     EXPECT_EQ(stamps_of(text), expected) << text;
@@ -153,8 +155,22 @@ TEST(times_file, rows_whose_image_is_gone_are_left_out) {
                           {"names no image that is there", "frame000000"});
 }
 
+TEST(times_file, a_list_that_names_the_images_serves_whatever_its_name) {
+  for (const char* row : {"{0:.1f} image_0/{1:06}.png\n", "{1:06}.png;{0:.1f}\n",
+                          "{1},image_0/{1:06}.png,image_1/{1:06}.png,{0:.1f}\n"}) {
+    const auto source = open(ten_pairs(rows(10, row), "associations.txt"));
+    ASSERT_TRUE(source.ok()) << row << ": " << source.error().line();
+    EXPECT_NEAR((*source)->info().rate_hz, 10.0, 1e-6) << row;
+    EXPECT_NE((*source)->info().description.find("times from associations.txt"), std::string::npos);
+  }
+  // Of other pictures, or of none.
+  test::expect_open_error(ten_pairs(rows(10, "{0:.1f} depth/{1:06}.png\n"), "associations.txt"), {"no times"});
+  test::expect_open_error(ten_pairs(rows(10), "imu_timestamps.txt"), {"no times"});
+}
+
 TEST(times_file, names_in_any_case_and_the_rate_that_is_given_wins) {
-  for (const char* name : {"Times.txt", "TIMESTAMPS.TXT", "timestamps.csv", "time.txt", "Timestamps"}) {
+  for (const char* name : {"Times.txt", "TIMESTAMPS.TXT", "timestamps.csv", "time.txt", "Timestamps",
+                           "stereo.timestamps", "camera_timestamps.txt"}) {
     const auto source = open(ten_pairs(rows(10), name));
     ASSERT_TRUE(source.ok()) << name << ": " << source.error().line();
     EXPECT_NEAR((*source)->info().rate_hz, 10.0, 1e-6) << name;
@@ -177,6 +193,7 @@ TEST(names, times_in_names_with_what_else_they_hold) {
   EXPECT_NEAR(rate_of({"1614681437894528000", "1614681437994528000"}), 10.0, 1e-6);
   EXPECT_NEAR(rate_of({"frame_1614681437894528000", "frame_1614681437994528000"}), 10.0, 1e-6);
   EXPECT_NEAR(rate_of({"1614681437_894528000", "1614681437_994528000", "1614681438_94528000"}), 10.0, 1e-6);
+  EXPECT_NEAR(rate_of({"1614681437_000000000", "1614681437_100000000", "1614681437_200000000"}), 10.0, 1e-6);
   EXPECT_NEAR(rate_of({"5123456789012", "5123556789012", "5123656789012"}), 10.0, 1e-6) << "ns since boot";
   EXPECT_NEAR(rate_of({"49599300523", "49599350523"}), 20.0, 1e-6) << "us since boot";
   EXPECT_NEAR(rate_of({"2018-07-09-16-11-56_2018-07-09-16-12-51-201", "2018-07-09-16-11-56_2018-07-09-16-12-51-301"}),
