@@ -9,6 +9,7 @@ namespace cliquevo::tools {
 
 void add_replay_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
+void add_compare_command(CLI::App& app, int& exit_code);
 void add_disparity_command(CLI::App& app, int& exit_code);
 
 }  // namespace cliquevo::tools

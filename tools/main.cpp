@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
   add_replay_command(app, exit_code);
   add_disparity_command(app, exit_code);
   add_eval_command(app, exit_code);
+  add_compare_command(app, exit_code);
   add_simulate_command(app, exit_code);
   add_cameras_command(app, exit_code);
   add_record_command(app, exit_code);
