@@ -4,7 +4,7 @@ pkg_check_modules(SYSTEMD REQUIRED IMPORTED_TARGET libsystemd)
 
 # Estimates out over LCM (replay uses it too), and the way of a frame on threads.
 add_library(cliquevo_daemon_lib STATIC
-  command.cpp command_receiver.cpp control_client.cpp control_session.cpp control_socket.cpp effective_config.cpp first_pairs.cpp health.cpp
+  command.cpp command_receiver.cpp control_client.cpp control_session.cpp control_socket.cpp effective_config.cpp feature_tap.cpp first_pairs.cpp health.cpp
   image_tap.cpp incidents.cpp lcm_url.cpp local_addresses.cpp log_names.cpp machine.cpp message_sender.cpp messages.cpp
   pipeline.cpp publisher.cpp recording.cpp rectified_size.cpp source.cpp standard_streams.cpp status_report.cpp tcpq_client.cpp
   trajectory_sink.cpp)

@@ -328,7 +328,8 @@ Result<void> Config::check() const {
   for (const auto& [key, channel] :
        {std::pair{"lcm.delta_body_channel", &lcm.delta_body_channel},
         std::pair{"lcm.images_channel", &lcm.images_channel}, std::pair{"lcm.movers_channel", &lcm.movers_channel},
-        std::pair{"lcm.health_channel", &lcm.health_channel}, std::pair{"lcm.command_channel", &lcm.command_channel}}) {
+        std::pair{"lcm.features_channel", &lcm.features_channel}, std::pair{"lcm.health_channel", &lcm.health_channel},
+        std::pair{"lcm.command_channel", &lcm.command_channel}}) {
     if (channel->size() > 63) return own_range(key, "give a name of 63 characters at most, or none");
   }
   if (!(lcm.images_rate_hz >= 0.01 && lcm.images_rate_hz <= 1000.0)) {

@@ -40,7 +40,8 @@ struct LcmConfig {
   std::string delta_body_channel;  // the delta as the body moves; the channels from here on: empty = off
   std::string images_channel;      // left image and disparity
   double images_rate_hz = 2.0;
-  std::string movers_channel;  // rigid things that move by themselves
+  std::string movers_channel;    // rigid things that move by themselves
+  std::string features_channel;  // what became of each feature
   std::string health_channel = "VO_HEALTH";
   std::string command_channel;  // listened to: see CommandReceiver
 };

@@ -192,6 +192,7 @@ void visit_config_keys(C& c, Visitor& v) {
   v.key("lcm.images_channel", c.lcm.images_channel);
   v.key("lcm.images_rate_hz", c.lcm.images_rate_hz);
   v.key("lcm.movers_channel", c.lcm.movers_channel);
+  v.key("lcm.features_channel", c.lcm.features_channel);
   v.key("lcm.health_channel", c.lcm.health_channel);
   v.key("lcm.command_channel", c.lcm.command_channel);
 

@@ -74,6 +74,8 @@ void describe(const drivers::SourceInfo& source, const RectifiedSize& size, cons
 struct Output {
   Publisher publisher;
   ImageTap tap;
+  FeatureTap feature_tap;
+  StereoModel model;
   std::optional<TrajectorySink> trajectory;
   SentCounts sent;
   Findings findings;
@@ -83,6 +85,10 @@ struct Output {
     if (const TappedImages* images = tap.take()) {  // after the pose: nobody steers by a picture
       taken = publisher.publish(*images) && taken;
       tap.give_back();
+    }
+    if (const TappedFeatures* features = feature_tap.take()) {
+      taken = publisher.publish(*features, model) && taken;
+      feature_tap.give_back();
     }
     if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
       spdlog::warn("LCM does not take messages: further ones are only counted");
@@ -250,6 +256,8 @@ int run(const DaemonOptions& options) {
   const StereoModel& model = shop.stereo.model();
   Output output{std::move(**publisher),
                 {model.width, model.height, config->lcm.images_channel.empty() ? 0.0 : config->lcm.images_rate_hz},
+                {!config->lcm.features_channel.empty(), static_cast<std::size_t>(config->odometry.max_features)},
+                model,
                 std::nullopt,
                 {},
                 {}};
@@ -278,6 +286,7 @@ int run(const DaemonOptions& options) {
   work.odometry = [&shop, &output](FrameSlot& slot) {
     auto done = shop.odometry.run(slot.pair.stamp_ns, slot.frame);
     output.tap.offer(slot.pair.stamp_ns, slot.frame.left.cview(), slot.frame.disparity.cview());
+    if (done) output.feature_tap.offer(shop.odometry);
     return done;
   };
   work.estimate = [&shop]() -> const vo::Estimate& { return shop.odometry.estimate(); };

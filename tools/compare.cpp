@@ -12,6 +12,7 @@
 #include "tools/comparison.h"
 #include "tools/exit_code.h"
 #include "tools/output_file.h"
+#include "tools/report.h"
 
 namespace cliquevo::tools {
 
@@ -23,6 +24,7 @@ struct CompareArguments {
   Gates gates;
   bool json = false;
   std::string out;
+  std::string report;
 };
 
 int run(const CompareArguments& arguments) {
@@ -41,6 +43,13 @@ int run(const CompareArguments& arguments) {
     auto file = OutputFile::open(arguments.out, "comparison");
     if (!file) return report(file.error());
     if (auto ok = file->write(text); !ok) return report(ok.error());
+  }
+  if (!arguments.report.empty()) {
+    auto file = OutputFile::open(arguments.report, "report");
+    if (!file) return report(file.error());
+    const std::string page =
+        comparison_report(arguments.a + " and " + arguments.b, comparison_json(comparison, arguments.gates));
+    if (auto ok = file->write(page); !ok) return report(ok.error());
   }
   fmt::print("{}", arguments.json ? text : comparison_table(comparison));
   if (!comparison.beyond_gate) return kDone;
@@ -76,6 +85,8 @@ void add_compare_command(CLI::App& app, int& exit_code) {
       ->type_name("R");
   compare->add_flag("--json", arguments->json, "Print JSON instead of the table");
   compare->add_option("--out", arguments->out, "Write the JSON into a file as well")->type_name("FILE.json");
+  compare->add_option("--report", arguments->report, "Write the tables as a page into one file")
+      ->type_name("FILE.html");
   compare->footer(
       "Judged are segments, rotation, end and ATE (against the reference), failed frames, skipped pairs and quality, "
       "of\n"
