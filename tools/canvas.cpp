@@ -52,7 +52,7 @@ void set_font(cairo_t* cairo, double height) {
 
 bool finite(Point p) { return std::isfinite(p.x + p.y); }
 // Cairo counts in fixed point: what lies far outside is brought near, which nobody sees.
-Point near(Point p) { return {std::clamp(p.x, -1e5, 1e5), std::clamp(p.y, -1e5, 1e5)}; }
+Point near(Point p) { return {std::clamp(p.x, -1e4, 1e4), std::clamp(p.y, -1e4, 1e4)}; }
 
 }  // namespace
 

@@ -18,7 +18,7 @@ constexpr int kHeader = 46;
 // Those who see no red or no green tell these apart too (Okabe and Ito); shapes and dashes tell them apart in grey.
 constexpr Color kBlue{0, 114, 178};
 constexpr Color kGrey{110, 110, 110};
-constexpr Color kRed{213, 94, 0};
+constexpr Color kRed{213, 75, 0};
 constexpr Color kGreen{0, 140, 105};
 constexpr Color kDark{50, 50, 50};
 

@@ -33,6 +33,13 @@ export function startView(...args) {
   });
 }
 
+// Another program, which ends with the test.
+export function start(path, ...args) {
+  const child = spawn(path, args, { stdio: ["ignore", "ignore", "ignore"] });
+  started.push(child);
+  return child;
+}
+
 export function run(args, options = {}) {
   return new Promise((resolve) => {
     const child = spawn(program, args, { stdio: ["ignore", "pipe", "pipe"], ...options });

@@ -4,8 +4,7 @@
 import fs from "node:fs";
 import net from "node:net";
 import path from "node:path";
-import { spawn } from "node:child_process";
-import { check, main, openPage, output, program, shot, startView, until, wait } from "./harness.mjs";
+import { check, main, openPage, output, program, shot, start, startView, until, wait } from "./harness.mjs";
 
 const url = "udpm://239.255.76.67:7667?ttl=0";
 const seconds = Number(process.env.CLIQUEVO_LIVE_SECONDS ?? 8);
@@ -17,7 +16,7 @@ lcm: {url: "${url}", images_channel: VO_IMAGES, images_rate_hz: 5, features_chan
 control: {socket: ${socket}}
 recording: {folder: ${path.join(output, "recordings")}}
 `);
-const startDaemon = () => spawn(process.env.CLIQUEVOD ?? path.join(path.dirname(program), "cliquevod"), ["--config", config], { stdio: ["ignore", "ignore", "inherit"] });
+const startDaemon = () => start(process.env.CLIQUEVOD ?? path.join(path.dirname(program), "cliquevod"), "--config", config);
 
 const stat = (pid) => { const f = fs.readFileSync(`/proc/${pid}/stat`, "utf8").split(") ")[1].split(" "); return Number(f[11]) + Number(f[12]); };
 const resident = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, "utf8").match(/VmRSS:\s+(\d+)/)[1]) / 1024;
@@ -43,7 +42,7 @@ await main(async (browser) => {
   const page = await openPage(browser, address);
   await until("frames come", async () => (await end(page)) > 60, 90);
   await until("pictures come", () => page.evaluate(() => window.cliquevo.drawn > 10));
-  check("it follows the newest frame", (await end(page)) - (await at(page)) < 5, [await end(page), await at(page)]);
+  await until("it follows the newest frame", async () => { const [e, a] = await page.evaluate(() => [window.cliquevo.records.end, window.cliquevo.at]); return e - a < 4; });
   await until("health is told", () => page.evaluate(() => /Hz/.test(document.querySelector("#health").innerText)));
   check("metres are known", await page.evaluate(() => window.cliquevo.state.model?.baseline > 0.1));
   await shot(page, "live-1");
@@ -68,7 +67,7 @@ await main(async (browser) => {
   await wait(700);
   check("scrolled back it stays there", (await at(page)) === paused && (await end(page)) > paused + 5);
   await page.keyboard.press("End");
-  await until("End follows again", async () => (await end(page)) - (await at(page)) < 5);
+  await until("End follows again", () => page.evaluate(() => window.cliquevo.follow && window.cliquevo.records.end - window.cliquevo.at < 4));
 
   await page.locator("#record-start").click();
   await until("a recording was begun from the page", () => fs.readdirSync(path.join(output, "recordings")).length > 0);

@@ -34,9 +34,7 @@ export function healthHtml(records, state, live) {
   if (state.check) html += `<p class="sentence">${escape(state.check)}</p>`;
   if (state.view) html += `<p class="sentence warn">${escape(state.view)}</p>`;
   if (state.lost_pictures > 0) html += `<p class="sentence warn">${state.lost_pictures} pictures could not be kept: the disk is full</p>`;
-  if (live && state.may_record) {
-    html += `<p class="sentence"><button id="record-start">start recording</button> <button id="record-stop">stop</button></p>`;
-    if (state.answer) html += `<p class="sentence dim">${escape(state.answer)}</p>`;
-  } else if (live) html += `<p class="sentence dim">Recording is the daemon's control socket's to start: see --socket.</p>`;
+  if (state.answer) html += `<p class="sentence dim">${escape(state.answer)}</p>`;
+  if (live && !state.may_record) html += `<p class="sentence dim">Recording is the daemon's control socket's to start: see --socket.</p>`;
   return html;
 }

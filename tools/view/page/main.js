@@ -127,6 +127,7 @@ function refresh(now) {
 }
 function showHealth() {
   if (!view.hello) return;
+  $("recording").hidden = !(view.hello.live && view.state.may_record);
   const box = $("health").querySelector(".scroll");
   const html = healthHtml(records, view.state, view.hello.live);
   if (box.dataset.html !== html) { box.innerHTML = html; box.dataset.html = html; }
