@@ -17,6 +17,7 @@ install(FILES config/cliquevo.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/c
 install(FILES config/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME cliquevo)
 install(FILES README.md CHANGELOG.md docs/configuration.md DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(FILES systemd/network-cameras.conf DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
+install(FILES tools/view/page/vendor/three.LICENSE tools/view/page/vendor/uPlot.LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR}/licences)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
 
 # The library: stereo and odometry, with Eigen in their interface and nothing else.
@@ -40,7 +41,7 @@ install(FILES ${PROJECT_BINARY_DIR}/cliquevo-config.cmake ${PROJECT_BINARY_DIR}/
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/cliquevo)
 foreach(header
     core/base/camera_model.h core/base/image.h core/base/isa.h core/base/result.h core/base/rigid_transform.h
-    core/base/time.h core/vo/evidence.h core/vo/movers.h core/vo/self_check.h core/vo/step_times.h core/vo/verdict.h
+    core/base/time.h core/vo/evidence.h core/vo/movers.h core/vo/seen_feature.h core/vo/self_check.h core/vo/step_times.h core/vo/verdict.h
     core/vo/visual_odometry.h core/vo/vo_params.h
     stereo/dense_stereo.h stereo/rectify.h stereo/rectify_params.h stereo/stereo_params.h)
   get_filename_component(folder ${header} DIRECTORY)

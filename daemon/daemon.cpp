@@ -120,7 +120,7 @@ Result<bool> Daemon::open() {
   if (!rig) return rig.error();
   if (!*rig) return false;
   rig_ = std::move(*rig);
-  auto output = Output::make(std::move(**publisher), config_.lcm, rig_->stereo.model(), options_.trajectory);
+  auto output = Output::make(std::move(**publisher), config_, rig_->stereo.model(), options_.trajectory);
   if (!output) return output.error();
   output_ = std::move(*output);
   return true;

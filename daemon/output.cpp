@@ -7,11 +7,17 @@
 
 namespace cliquevo::daemon {
 
-Result<std::unique_ptr<Output>> Output::make(Publisher publisher, const LcmConfig& config, const StereoModel& model,
+Result<std::unique_ptr<Output>> Output::make(Publisher publisher, const Config& config, const StereoModel& model,
                                              const std::string& trajectory) {
-  const double images_rate_hz = config.images_channel.empty() ? 0.0 : config.images_rate_hz;
-  std::unique_ptr<Output> out(
-      new Output{std::move(publisher), {model.width, model.height, images_rate_hz}, std::nullopt, {}, {}});
+  const double images_rate_hz = config.lcm.images_channel.empty() ? 0.0 : config.lcm.images_rate_hz;
+  std::unique_ptr<Output> out(new Output{
+      std::move(publisher),
+      {model.width, model.height, images_rate_hz},
+      {!config.lcm.features_channel.empty(), static_cast<std::size_t>(config.odometry.max_features)},
+      model,
+      std::nullopt,
+      {},
+      {}});
   if (trajectory.empty()) return out;
   auto sink = TrajectorySink::open(trajectory);
   if (!sink) return sink.error();
@@ -24,6 +30,10 @@ void Output::take(const PublishedFrame& frame) {
   if (const TappedImages* images = tap.take()) {  // after the pose: nobody steers by a picture
     taken = publisher.publish(*images) && taken;
     tap.give_back();
+  }
+  if (const TappedFeatures* features = feature_tap.take()) {
+    taken = publisher.publish(*features, model) && taken;
+    feature_tap.give_back();
   }
   if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
     spdlog::warn("LCM does not take messages: further ones are only counted");

@@ -8,6 +8,7 @@
 
 #include "core/base/result.h"
 #include "daemon/diagnostics.h"
+#include "daemon/lcm/feature_tap.h"
 #include "daemon/lcm/image_tap.h"
 #include "daemon/lcm/publisher.h"
 #include "daemon/pipeline/config.h"
@@ -17,12 +18,14 @@ namespace cliquevo::daemon {
 
 struct Output {
   // trajectory: the file to write; empty = none.
-  static Result<std::unique_ptr<Output>> make(Publisher publisher, const LcmConfig& config, const StereoModel& model,
+  static Result<std::unique_ptr<Output>> make(Publisher publisher, const Config& config, const StereoModel& model,
                                               const std::string& trajectory);
   void take(const PublishedFrame& frame);
 
   Publisher publisher;
   ImageTap tap;
+  FeatureTap feature_tap;
+  StereoModel model;
   std::optional<TrajectorySink> trajectory;
   SentCounts sent;
   LatestDiagnostics diagnostics;

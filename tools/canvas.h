@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What charts are drawn with: lines, discs, boxes and text with smooth edges.
+// What charts are drawn with, by Cairo: lines, discs, boxes and text, into a PNG, an SVG or a PDF.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string_view>
+#include <vector>
 
+#include "core/base/result.h"
 #include "tools/picture.h"
 
 namespace cliquevo::tools {
@@ -26,25 +30,35 @@ struct Box {
   bool contains(Point p) const { return p.x >= x && p.x < right() && p.y >= y && p.y < bottom(); }
 };
 
+enum class PictureFormat { png, svg, pdf };
+// By the ending of a file's name, in any case; none: it is none of these.
+std::optional<PictureFormat> picture_format(std::string_view path);
+
 // All lengths are pixels of the finished picture, Y downwards.
 class Canvas {
  public:
-  Canvas(int width, int height);
+  Canvas(int width, int height, PictureFormat format = PictureFormat::png);
+  ~Canvas();
+  Canvas(const Canvas&) = delete;
+  Canvas& operator=(const Canvas&) = delete;
 
   void line(Point a, Point b, double width, Color color);  // with round ends
+  void path(const std::vector<Point>& points, double width, Color color, bool dashed);
   void disc(Point middle, double radius, Color color);
   void ring(Point middle, double radius, double width, Color color);  // the radius is that of the line's middle
   void fill(Box box, Color color);
   void frame(Box box, double width, Color color);
-  // ASCII; `height` is that of a capital. By the text's left end (upright: its lower one) and middle line.
+  // UTF-8; `height` is that of a capital. By the text's left end (upright: its lower one) and middle line.
   void text(std::string_view text, Point start, double height, Color color, bool upright = false);
 
+  // The pixels; of a PNG alone.
   Picture finish() const;
+  // The file's bytes; nothing can be drawn afterwards.
+  Result<std::vector<unsigned char>> encoded();
 
  private:
-  void set(int x, int y, Color color);
-
-  Picture large_;  // several times the finished size: scaled down, edges come out smooth
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
 };
 
 double text_width(std::string_view text, double height);

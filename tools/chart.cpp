@@ -67,35 +67,8 @@ void put_mark(Canvas& canvas, Point at, Mark mark, double r, Color color) {
   }
 }
 
-// Dashes run on over the corners of the line.
-void put_dashed(Canvas& canvas, const std::vector<Point>& points, double width_px, Color color) {
-  constexpr double kDash = 9.0;
-  constexpr double kGap = 6.0;
-  double phase = 0.0;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    const Point way = points[i + 1] - points[i];
-    const double length = std::hypot(way.x, way.y);
-    for (double at = 0.0; at < length;) {
-      const bool drawn = phase < kDash;
-      const double step = std::min(length - at, (drawn ? kDash : kDash + kGap) - phase);
-      if (drawn) {
-        canvas.line(points[i] + way * (at / length), points[i] + way * ((at + step) / length), width_px, color);
-      }
-      at += step;
-      phase += step;
-      if (phase >= kDash + kGap - 1e-9) phase = 0.0;
-      if (step <= 0.0) break;
-    }
-  }
-}
-
 void put_series(Canvas& canvas, const Series& series, const std::vector<Point>& points) {
-  if (series.width_px > 0.0 && series.dashed) put_dashed(canvas, points, series.width_px, series.color);
-  if (series.width_px > 0.0 && !series.dashed) {
-    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-      canvas.line(points[i], points[i + 1], series.width_px, series.color);
-    }
-  }
+  if (series.width_px > 0.0) canvas.path(points, series.width_px, series.color, series.dashed);
   for (const Point& point : points) put_mark(canvas, point, series.mark, series.mark_px, series.color);
 }
 

@@ -36,13 +36,15 @@ std::vector<double> tick_positions(double low, double high, int wanted);
 // Draws into parts of a figure, whose pixels are those of the finished picture.
 class Figure {
  public:
-  Figure(int width_px, int height_px) : canvas_(width_px, height_px) {}
+  Figure(int width_px, int height_px, PictureFormat format = PictureFormat::png)
+      : canvas_(width_px, height_px, format) {}
   void draw(const Chart& chart, Box area_px);
   // By its left end and middle line.
   void text(const std::string& text, Point at_px, double height_px, Color color) {
     canvas_.text(text, at_px, height_px, color);
   }
   Picture render() const { return canvas_.finish(); }
+  Result<std::vector<unsigned char>> encoded() { return canvas_.encoded(); }
 
  private:
   Canvas canvas_;

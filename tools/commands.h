@@ -3,6 +3,8 @@
 // runs while the line is parsed and leaves its exit code.
 #pragma once
 
+#include <string>
+
 #include <CLI/CLI.hpp>
 
 namespace cliquevo::tools {
@@ -10,6 +12,8 @@ namespace cliquevo::tools {
 void add_replay_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
 void add_config_command(CLI::App& app, int& exit_code);
+void add_compare_command(CLI::App& app, int& exit_code);
 void add_disparity_command(CLI::App& app, int& exit_code);
+void add_view_command(CLI::App& app, int& exit_code, const std::string& version);
 
 }  // namespace cliquevo::tools

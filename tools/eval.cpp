@@ -13,6 +13,7 @@
 #include "tools/output_file.h"
 #include "tools/plot.h"
 #include "tools/reference.h"
+#include "tools/report.h"
 
 namespace cliquevo::tools {
 
@@ -26,6 +27,7 @@ struct EvalArguments {
   bool body_frame = false;
   bool json = false;
   std::string plot;
+  std::string report;
 };
 
 nlohmann::json optional_number(const std::optional<double>& value) {
@@ -114,11 +116,13 @@ Result<void> draw(OutputFile& file, const EvalArguments& arguments, const daemon
   for (const daemon::StampedPose& pose : estimate.poses) picture.trajectory.push_back(pose.T_world_camera);
   picture.pairs = pairs;
   picture.align = estimate.format == daemon::TrajectoryFormat::tum;
-  const auto png = draw_plot(picture);
+  const auto format = plot_format(arguments.plot);
+  const auto png = format ? draw_plot(picture, *format) : format.error();
   return png ? file.write(*png) : png.error();
 }
 
 int run_eval(const EvalArguments& arguments) {
+  if (auto format = plot_format(arguments.plot); !format) return report(format.error(), kWrongUsage);
   const auto reference = read_reference(arguments.reference);
   if (!reference) return report(reference.error());
   const auto estimate = daemon::read_trajectory(arguments.estimate);
@@ -142,6 +146,13 @@ int run_eval(const EvalArguments& arguments) {
     auto file = OutputFile::open(arguments.plot, "plot");
     if (!file) return report(file.error());
     if (auto drawn = draw(*file, arguments, *estimate, *pairs); !drawn) return report(drawn.error());
+  }
+  if (!arguments.report.empty()) {
+    auto file = OutputFile::open(arguments.report, "report");
+    if (!file) return report(file.error());
+    const std::string page = evaluation_report(std::filesystem::path(arguments.estimate).filename().string(),
+                                               to_json(result), *estimate, *pairs);
+    if (auto written = file->write(page); !written) return report(written.error());
   }
   return kDone;
 }
@@ -196,8 +207,11 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       ->check(CLI::IsMember({"camera", "body"}))
       ->type_name("FRAME");
   eval->add_flag("--json", arguments->json, "Print JSON instead of the table");
-  eval->add_option("--plot", arguments->plot, "Draw both trajectories and the error over distance into a PNG")
-      ->type_name("FILE.png");
+  eval->add_option("--plot", arguments->plot,
+                   "Draw both trajectories and the error over distance: PNG, SVG or PDF by ending")
+      ->type_name("FILE.png|svg|pdf");
+  eval->add_option("--report", arguments->report, "Write a page with map, errors and tables into one file")
+      ->type_name("FILE.html");
   eval->footer(
       "KITTI files are compared line by line, TUM files by nearest stamp. Segment errors are means over segments of\n"
       "each length from every start frame; the ATE is taken after a rigid alignment without scale.\n"

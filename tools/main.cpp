@@ -40,6 +40,8 @@ int run(int argc, char** argv) {
   add_replay_command(app, exit_code);
   add_disparity_command(app, exit_code);
   add_eval_command(app, exit_code);
+  add_compare_command(app, exit_code);
+  add_view_command(app, exit_code, CLIQUEVO_VERSION);
   add_simulate_command(app, exit_code);
   add_cameras_command(app, exit_code);
   add_record_command(app, exit_code);

@@ -15,41 +15,15 @@ constexpr int kWidth = 1600;
 constexpr int kHeight = 760;
 constexpr int kHeader = 46;
 
-constexpr Color kBlue{25, 100, 190};
+// Those who see no red or no green tell these apart too (Okabe and Ito); shapes and dashes tell them apart in grey.
+constexpr Color kBlue{0, 114, 178};
 constexpr Color kGrey{110, 110, 110};
-constexpr Color kRed{215, 40, 40};
-constexpr Color kGreen{40, 150, 70};
+constexpr Color kRed{213, 75, 0};
+constexpr Color kGreen{0, 140, 105};
 constexpr Color kDark{50, 50, 50};
 
 // The map: X to the right, Z up.
 Point from_above(const Eigen::Vector3d& p) { return {p.x(), p.z()}; }
-
-struct Comparison {
-  std::vector<Eigen::Vector3d> reference;  // in the trajectory's world
-  std::vector<double> distance_m;
-  std::vector<double> error_m;
-};
-
-Comparison compare(const RunPicture& run) {
-  Comparison out;
-  if (run.pairs.empty()) return out;
-  RigidTransform T_world_reference = run.pairs.front().estimate * run.pairs.front().reference.inverse();
-  if (run.align) {
-    std::vector<Eigen::Vector3d> from;
-    std::vector<Eigen::Vector3d> to;
-    for (const PosePair& pair : run.pairs) {
-      from.push_back(pair.reference.t);
-      to.push_back(pair.estimate.t);
-    }
-    T_world_reference = align_rigid(from, to);
-  }
-  out.distance_m = distances_m(run.pairs);
-  for (const PosePair& pair : run.pairs) {
-    out.reference.push_back(T_world_reference * pair.reference.t);
-    out.error_m.push_back((out.reference.back() - pair.estimate.t).norm());
-  }
-  return out;
-}
 
 std::vector<double> own_distances(const std::vector<RigidTransform>& poses) {
   std::vector<double> out(poses.size(), 0.0);
@@ -57,7 +31,7 @@ std::vector<double> own_distances(const std::vector<RigidTransform>& poses) {
   return out;
 }
 
-std::string summary(const RunPicture& run, const Comparison& comparison) {
+std::string summary(const RunPicture& run, const AgainstReference& comparison) {
   std::string out = fmt::format("{} frames, {:.1f} m", run.trajectory.size(), own_distances(run.trajectory).back());
   if (!comparison.error_m.empty()) {
     const double error_m = comparison.error_m.back();
@@ -68,7 +42,7 @@ std::string summary(const RunPicture& run, const Comparison& comparison) {
   return out;
 }
 
-Chart map_chart(const RunPicture& run, const Comparison& comparison) {
+Chart map_chart(const RunPicture& run, const AgainstReference& comparison) {
   Chart chart;
   chart.title = "Trajectory from above";
   chart.x_label = "X, right [m]";
@@ -94,7 +68,7 @@ Chart map_chart(const RunPicture& run, const Comparison& comparison) {
   return chart;
 }
 
-Chart error_chart(const Comparison& comparison, bool aligned) {
+Chart error_chart(const AgainstReference& comparison, bool aligned) {
   Chart chart;
   chart.title = aligned ? "Position error after alignment" : "Position error";
   chart.x_label = "distance travelled [m]";
@@ -128,7 +102,7 @@ Chart inlier_chart(const RunPicture& run) {
   return chart;
 }
 
-Chart height_chart(const RunPicture& run, const Comparison& comparison) {
+Chart height_chart(const RunPicture& run, const AgainstReference& comparison) {
   const std::vector<double> distance_m = own_distances(run.trajectory);
   Chart chart;
   chart.title = "Height";
@@ -151,13 +125,41 @@ Chart height_chart(const RunPicture& run, const Comparison& comparison) {
 
 }  // namespace
 
-Result<std::vector<unsigned char>> draw_plot(const RunPicture& run) {
+AgainstReference against_reference(const std::vector<PosePair>& pairs, bool align) {
+  AgainstReference out;
+  if (pairs.empty()) return out;
+  RigidTransform T_world_reference = pairs.front().estimate * pairs.front().reference.inverse();
+  if (align) {
+    std::vector<Eigen::Vector3d> from;
+    std::vector<Eigen::Vector3d> to;
+    for (const PosePair& pair : pairs) {
+      from.push_back(pair.reference.t);
+      to.push_back(pair.estimate.t);
+    }
+    T_world_reference = align_rigid(from, to);
+  }
+  out.distance_m = distances_m(pairs);
+  for (const PosePair& pair : pairs) {
+    out.reference.push_back(T_world_reference * pair.reference.t);
+    out.error_m.push_back((out.reference.back() - pair.estimate.t).norm());
+  }
+  return out;
+}
+
+Result<PictureFormat> plot_format(const std::string& path) {
+  const auto format = picture_format(path);
+  if (format) return *format;
+  if (path.find('.', path.find_last_of('/') + 1) == std::string::npos) return PictureFormat::png;
+  return Error{"wrong usage", "--plot " + path, "name a file that ends in .png, .svg or .pdf"};
+}
+
+Result<std::vector<unsigned char>> draw_plot(const RunPicture& run, PictureFormat format) {
   if (run.trajectory.empty()) return Error{"cannot draw plot", run.title, "no frame was processed"};
-  const Comparison comparison = compare(run);
+  const AgainstReference comparison = against_reference(run.pairs, run.align);
   const bool referenced = !run.pairs.empty();
   const bool inliers = run.inliers.size() == run.trajectory.size();
 
-  Figure figure(kWidth, kHeight);
+  Figure figure(kWidth, kHeight, format);
   figure.text(run.title + ": " + summary(run, comparison), {24, kHeader / 2.0 + 4}, 19, kDark);
   constexpr double kMap = 820;
   figure.draw(map_chart(run, comparison), {8, kHeader, kMap, kHeight - kHeader});
@@ -169,7 +171,7 @@ Result<std::vector<unsigned char>> draw_plot(const RunPicture& run) {
   for (std::size_t i = 0; i < beside.size(); ++i) {
     figure.draw(beside[i], {kMap + 16, kHeader + height * static_cast<double>(i), kWidth - kMap - 24, height});
   }
-  return figure.render().png();
+  return figure.encoded();
 }
 
 }  // namespace cliquevo::tools

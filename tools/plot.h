@@ -7,12 +7,13 @@
 
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
+#include "tools/canvas.h"
 #include "tools/evaluation.h"
 
 namespace cliquevo::tools {
 
 struct RunPicture {
-  std::string title;                       // printable ASCII
+  std::string title;                       // UTF-8
   std::vector<RigidTransform> trajectory;  // rectified left camera in its first frame, a pose a frame
   std::vector<std::size_t> failed;         // indices of frames without a valid estimate
   std::vector<int> inliers;                // a frame, may be empty
@@ -20,7 +21,18 @@ struct RunPicture {
   bool align = false;                      // fit the reference rigidly instead of putting first poses onto each other
 };
 
-// The bytes of a PNG of 1600 x 760 px.
-Result<std::vector<unsigned char>> draw_plot(const RunPicture& run);
+// A run's poses beside its reference.
+struct AgainstReference {
+  std::vector<Eigen::Vector3d> reference;  // in the trajectory's world
+  std::vector<double> distance_m;
+  std::vector<double> error_m;
+};
+// align: fitted rigidly; else first poses are put onto each other.
+AgainstReference against_reference(const std::vector<PosePair>& pairs, bool align);
+
+// The bytes of a picture of 1600 x 760 px.
+Result<std::vector<unsigned char>> draw_plot(const RunPicture& run, PictureFormat format = PictureFormat::png);
+// What --plot may be called; an error is one of usage.
+Result<PictureFormat> plot_format(const std::string& path);
 
 }  // namespace cliquevo::tools

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/pipeline/effective_config.h"
 #include "drivers/describe.h"
 #include "tools/commands.h"
 #include "tools/exit_code.h"
@@ -16,6 +17,7 @@
 #include "tools/plot.h"
 #include "tools/reference.h"
 #include "tools/replay_run.h"
+#include "tools/report.h"
 #include "tools/source_argument.h"
 
 namespace cliquevo::tools {
@@ -31,6 +33,7 @@ struct ReplayArguments {
   TrajectoryFormat format = TrajectoryFormat::kitti;
   std::string stats;
   std::string plot;
+  std::string report;
   std::string reference;
   double speed = 0.0;  // 0 = as fast as possible
   std::string lcm_url;
@@ -41,6 +44,7 @@ struct ReplayArguments {
 struct EndFiles {
   std::optional<OutputFile> stats;
   std::optional<OutputFile> plot;
+  std::optional<OutputFile> report;
 };
 
 Result<EndFiles> open_end_files(const ReplayArguments& arguments) {
@@ -55,6 +59,11 @@ Result<EndFiles> open_end_files(const ReplayArguments& arguments) {
     if (!file) return file.error();
     out.plot = std::move(*file);
   }
+  if (!arguments.report.empty()) {
+    auto file = OutputFile::open(arguments.report, "report");
+    if (!file) return file.error();
+    out.report = std::move(*file);
+  }
   return out;
 }
 
@@ -67,6 +76,7 @@ Result<ReplayOutputs> open_outputs(const ReplayArguments& arguments, const daemo
     if (!writer) return writer.error();
     out.trajectory = std::move(*writer);
   }
+  if (!arguments.report.empty()) out.album = std::make_unique<view::Album>();
   if (!arguments.lcm_url.empty()) {
     daemon::LcmConfig lcm = config.lcm;
     lcm.url = arguments.lcm_url;
@@ -96,11 +106,15 @@ Result<std::optional<RunReference>> find_reference(const ReplayArguments& argume
   return std::optional(std::move(*reference));
 }
 
+std::string title_of(const ReplayArguments& arguments) {
+  const std::string name = std::filesystem::path(arguments.source.text).lexically_normal().filename().string();
+  return name.empty() ? arguments.source.text : name;
+}
+
 RunPicture picture_of(const ReplayArguments& arguments, const RunLog& log,
                       const std::optional<RunReference>& reference) {
   RunPicture out;
-  const std::string name = std::filesystem::path(arguments.source.text).lexically_normal().filename().string();
-  out.title = name.empty() ? arguments.source.text : name;
+  out.title = title_of(arguments);
   for (const FrameRecord& frame : log.frames()) {
     out.trajectory.push_back(frame.estimate.T_world_camera);
     out.inliers.push_back(frame.estimate.inliers);
@@ -119,7 +133,7 @@ Result<void> write_end_files(const ReplayArguments& arguments, EndFiles& files, 
   Result<void> written;
   if (files.stats) written = files.stats->write(stats);
   if (!files.plot || log.frames().empty()) return written;
-  const auto png = draw_plot(picture_of(arguments, log, reference));
+  const auto png = draw_plot(picture_of(arguments, log, reference), *plot_format(arguments.plot));
   const Result<void> drawn = png ? files.plot->write(*png) : Result<void>(png.error());
   return written ? drawn : written;
 }
@@ -144,6 +158,7 @@ int judge(const ReplayArguments& arguments, const RunLog& log) {
 
 int run(const ReplayArguments& arguments) {
   if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
+  if (auto format = plot_format(arguments.plot); !format) return report(format.error(), kWrongUsage);
   daemon::Config config = daemon::default_config();
   if (!arguments.config.empty()) {
     auto read = daemon::read_config(arguments.config);
@@ -184,6 +199,14 @@ int run(const ReplayArguments& arguments) {
                                 reference);
       !ok) {
     fail(ok.error());
+  }
+  if (files->report && !log.frames().empty()) {
+    const std::string stats = log.stats_json(info, pipeline->model(), end.wall_s, reference);
+    const std::string text = log.summary(end.wall_s, reference);
+    const std::string page =
+        run_report({title_of(arguments), text, stats, daemon::effective_config_yaml(config), pipeline->model()}, log,
+                   reference, *outputs->album);
+    if (auto ok = files->report->write(page); !ok) fail(ok.error());
   }
   return exit_code != kDone ? exit_code : judge(arguments, log);
 }
@@ -264,8 +287,14 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       ->type_name("NAME");
   replay->add_option("--stats", arguments->stats, "Write each frame's verdict, counts, errors and times as JSON")
       ->type_name("FILE.json");
-  replay->add_option("--plot", arguments->plot, "Draw the trajectory and its error over distance")
-      ->type_name("FILE.png");
+  replay
+      ->add_option("--plot", arguments->plot,
+                   "Draw the trajectory and its error over distance: PNG, SVG or PDF by the name's ending")
+      ->type_name("FILE.png|svg|pdf");
+  replay
+      ->add_option("--report", arguments->report,
+                   "Write a page about the run into one file: map, errors, verdicts, times, the worst frames as seen")
+      ->type_name("FILE.html");
   replay
       ->add_option("--reference", arguments->reference,
                    "True trajectory for the plot and the summary (default: the recording's own poses.txt, "
@@ -294,7 +323,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       "3 --strict.\n"
       "The simulator's keys are those under source.simulator in config/cliquevo.yaml.\n"
       "Examples:\n"
-      "  cliquevo replay sim --plot run.png\n"
+      "  cliquevo replay sim --plot run.png --report run.html\n"
       "  cliquevo replay sim:course=walking,frames=400,noise_seed=3 --stats run.json\n"
       "  cliquevo replay /data/drive_0027 --trajectory poses.txt --stats run.json --plot run.png\n"
       "  cliquevo replay /data/indoor --every 2 --format tum --trajectory poses.tum --speed 1 --lcm udpm://");

@@ -56,6 +56,9 @@ class Estimator {
   // Motions beside the one that the last compare() found, the world's if it is valid.
   const OtherMotions& others() const { return others_; }
 
+  // What the last compare() rested on, or failed with.
+  const std::vector<Observation>& observations() const { return observations_; }
+
   // Once for a new frame, after its features: what else of it may be compared.
   void prepare(ImageView<const std::int16_t> disparity, Frame& frame) { support_.choose_witnesses(disparity, frame); }
 

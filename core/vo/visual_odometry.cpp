@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "core/vo/visual_odometry.h"
 
+#include <algorithm>
 #include <array>
 #include <span>
 #include <utility>
@@ -12,6 +13,7 @@
 #include "core/vo/mover_tracker.h"
 #include "core/vo/noise.h"
 #include "core/vo/reference_frames.h"
+#include "core/vo/seen_features.h"
 #include "core/vo/uncertainty.h"
 
 namespace cliquevo::vo {
@@ -56,6 +58,8 @@ struct VisualOdometry::Impl {
   Image<std::uint8_t> mask;
   ReferenceFrames frames;
   Frame* current = nullptr;
+  const Frame* compared = nullptr;  // what the current frame was last compared with
+  RigidTransform T_compared_current;
   std::size_t older_turn = 0;  // whose turn it is among the older frames, in a gap
   std::array<RigidTransform, std::size(kSpeeds_m_s)> predicted;
   DeadReckoning dead_reckoning;
@@ -79,6 +83,7 @@ Result<void> VisualOdometry::Impl::check(const FrameInput& input) const {
 // Step A2: features of the new frame, their depth and descriptors.
 void VisualOdometry::Impl::load(const FrameInput& input) {
   current = frames.spare();
+  compared = nullptr;
   current->stamp_ns = input.stamp_ns;
   current->shift_px = 0.0;
   current->sharpness = {};
@@ -155,6 +160,8 @@ std::pair<Comparison, const Frame*> VisualOdometry::Impl::compare(const FrameInp
 Comparison VisualOdometry::Impl::compare_with(const Frame& reference, const Frame* key, const FrameInput& input) {
   const Comparison c = estimator.compare(
       {reference, key, *current, input.disparity, predictions(reference), self_check, noise, caution}, estimate.times);
+  compared = c.started || c.motion.inliers > 0 ? &reference : nullptr;
+  T_compared_current = c.motion.T_prev_cur;
   caution.learn(c.checks);
   return c;
 }
@@ -162,6 +169,10 @@ Comparison VisualOdometry::Impl::compare_with(const Frame& reference, const Fram
 void VisualOdometry::Impl::report(const Comparison& c) {
   estimate.status = c.status;
   estimate.checks = c.checks;
+  if (c.status != Status::valid && c.checks.failed() == 0) {  // not even a match: nothing was there to be checked
+    const double least = params.min_inliers;
+    estimate.checks[Check::inliers] = {least / std::max(1, c.motion.inliers), 1.0, true};
+  }
   estimate.matches = c.matches;
   estimate.clique = c.clique;
   estimate.inliers = c.motion.inliers;
@@ -279,8 +290,17 @@ Result<void> VisualOdometry::process(const FrameInput& input) {
 const Estimate& VisualOdometry::estimate() const { return impl_->estimate; }
 const Movers& VisualOdometry::movers() const { return impl_->mover_tracker.movers(); }
 
+void VisualOdometry::list_features(std::vector<SeenFeature>& out) const {
+  const Impl& s = *impl_;
+  list_seen({s.model, s.current, s.compared, s.compared != nullptr ? &s.estimator.observations() : nullptr,
+             s.T_compared_current, movers()},
+            out);
+}
+
 void VisualOdometry::reset() {
   impl_->frames.clear();
+  impl_->current = nullptr;
+  impl_->compared = nullptr;
   impl_->dead_reckoning.reset();
   impl_->caution = {};
   impl_->noise.reset();

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "core/base/camera_model.h"
 #include "core/base/image.h"
@@ -11,6 +12,7 @@
 #include "core/base/time.h"
 #include "core/vo/evidence.h"
 #include "core/vo/movers.h"
+#include "core/vo/seen_feature.h"
 #include "core/vo/self_check.h"
 #include "core/vo/step_times.h"
 #include "core/vo/verdict.h"
@@ -75,6 +77,8 @@ class VisualOdometry {
   const Estimate& estimate() const;
   // What else moved in the last frame.
   const Movers& movers() const;
+  // What became of the last frame's features, as the last attempt at its motion left them.
+  void list_features(std::vector<SeenFeature>& out) const;
   // Forget all frames and start again at the identity.
   void reset();
 

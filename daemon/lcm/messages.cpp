@@ -217,6 +217,44 @@ void build_mover(const vo::Mover& m, mover_t& out) {
 
 }  // namespace
 
+void build_features(const TappedFeatures& tapped, const StereoModel& model, const RigidTransform& T_body_camera,
+                    features_t& out) {
+  const auto number = [](auto value) { return std::isfinite(value) ? value : decltype(value){0}; };
+  out.utime = floor_us(tapped.stamp_ns);
+  out.width = model.width;
+  out.height = model.height;
+  out.fx_px = model.fx_px;
+  out.fy_px = model.fy_px;
+  out.cx_px = model.cx_px;
+  out.cy_px = model.cy_px;
+  out.baseline_m = model.baseline_m;
+  out.doffs_px = model.doffs_px;
+  put(T_body_camera.t, out.camera_translation);
+  put(T_body_camera.R, out.camera_rotation);
+  out.num_checks = static_cast<std::int32_t>(vo::kChecks);
+  out.check_value.resize(vo::kChecks);
+  out.check_bound.resize(vo::kChecks);
+  for (std::size_t k = 0; k < vo::kChecks; ++k) {
+    const vo::Evidence& e = tapped.checks[static_cast<vo::Check>(k)];
+    out.check_value[k] = e.applies ? number(e.value) : 0.0;
+    out.check_bound[k] = e.applies ? number(e.bound) : 0.0;
+  }
+  const std::size_t count = tapped.features.size();
+  out.num_features = static_cast<std::int32_t>(count);
+  for (auto* list : {&out.x, &out.y, &out.from_x, &out.from_y, &out.disparity, &out.error}) list->resize(count);
+  out.role.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const vo::SeenFeature& f = tapped.features[i];
+    out.x[i] = number(f.x_px);
+    out.y[i] = number(f.y_px);
+    out.from_x[i] = number(f.from_x_px);
+    out.from_y[i] = number(f.from_y_px);
+    out.disparity[i] = number(f.disparity_px);
+    out.error[i] = number(f.error_px);
+    out.role[i] = static_cast<std::int8_t>(f.role);
+  }
+}
+
 void build_movers(const vo::Movers& movers, movers_t& out) {
   out.utime = floor_us(movers.stamp_ns);
   out.prev_utime = floor_us(movers.prev_stamp_ns);

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include <cliquevo/features_t.hpp>
 #include <cliquevo/images_t.hpp>
 #include <cliquevo/movers_t.hpp>
 #include <cliquevo/pose_t.hpp>
@@ -14,6 +15,7 @@
 #include "core/base/rigid_transform.h"
 #include "core/base/time.h"
 #include "core/vo/visual_odometry.h"
+#include "daemon/lcm/feature_tap.h"
 #include "daemon/lcm/image_tap.h"
 #include "daemon/pipeline/published_frame.h"
 
@@ -38,6 +40,10 @@ void build_images(const TappedImages& images, images_t& out);
 
 // What moves by itself as VO_MOVERS sends it; a thing with a number that is not finite is left out.
 void build_movers(const vo::Movers& movers, movers_t& out);
+
+// What became of the features as VO_FEATURES sends it; numbers that are not finite become 0. Allocates while it grows.
+void build_features(const TappedFeatures& tapped, const StereoModel& model, const RigidTransform& T_body_camera,
+                    features_t& out);
 
 class MessageBuilder {
  public:

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include <cliquevo/features_t.hpp>
 #include <cliquevo/images_t.hpp>
 #include <cliquevo/movers_t.hpp>
 
@@ -52,19 +53,22 @@ Result<void> check_channels(const LcmConfig& config) {
 }  // namespace
 
 struct Publisher::Impl {
-  Impl(std::unique_ptr<MessageSender> sender_, const LcmConfig& config, const RigidTransform& T_body_camera)
+  Impl(std::unique_ptr<MessageSender> sender_, const LcmConfig& config, const RigidTransform& T_body_camera_)
       : sender(std::move(sender_)),
-        builder(T_body_camera),
+        T_body_camera(T_body_camera_),
+        builder(T_body_camera_),
         delta(config.delta_channel),
         pose(config.pose_channel),
         status(config.status_channel),
         delta_body(config.delta_body_channel),
         movers(config.movers_channel),
+        features(config.features_channel),
         images(config.images_channel),
         health(config.health_channel) {}
 
   std::unique_ptr<MessageSender> sender;
   Copy copy;
+  RigidTransform T_body_camera;
   MessageBuilder builder;
   FrameMessages messages;
   Channel<update_t> delta;
@@ -73,6 +77,8 @@ struct Publisher::Impl {
   Channel<update_t> delta_body;
   Channel<movers_t> movers;
   movers_t movers_message{};
+  Channel<features_t> features;
+  features_t features_message{};
   Channel<images_t> images;
   images_t images_message;
   Channel<health_t> health;
@@ -109,6 +115,12 @@ bool Publisher::publish(const TappedImages& images) {
   Impl& m = *impl_;
   build_images(images, m.images_message);
   return m.images.send(*m.sender, m.copy, m.images_message);
+}
+
+bool Publisher::publish(const TappedFeatures& features, const StereoModel& model) {
+  Impl& m = *impl_;
+  build_features(features, model, m.T_body_camera, m.features_message);
+  return m.features.send(*m.sender, m.copy, m.features_message);
 }
 
 bool Publisher::publish(const health_t& health) { return impl_->health.send(*impl_->sender, impl_->copy, health); }

@@ -9,6 +9,7 @@
 
 #include <cliquevo/health_t.hpp>
 
+#include "daemon/lcm/feature_tap.h"
 #include "daemon/lcm/image_tap.h"
 #include "daemon/pipeline/config.h"
 #include "daemon/pipeline/published_frame.h"
@@ -30,6 +31,8 @@ class Publisher {
   bool publish(const PublishedFrame& frame);
   // VO_IMAGES, from the thread that publishes frames.
   bool publish(const TappedImages& images);
+  // VO_FEATURES, likewise.
+  bool publish(const TappedFeatures& features, const StereoModel& model);
   // VO_HEALTH; may be called from another thread than the one above.
   bool publish(const health_t& health);
 

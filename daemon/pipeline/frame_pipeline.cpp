@@ -35,10 +35,12 @@ Result<void> FramePipeline::process(const drivers::StereoPair& pair) {
 
 const vo::Estimate& FramePipeline::estimate() const { return impl_->odometry.estimate(); }
 const vo::Movers& FramePipeline::movers() const { return impl_->odometry.movers(); }
+void FramePipeline::list_features(std::vector<vo::SeenFeature>& out) const { impl_->odometry.list_features(out); }
 const StageTimes& FramePipeline::times() const { return impl_->frame.times; }
 const StereoModel& FramePipeline::model() const { return impl_->stereo.model(); }
 ImageView<const std::uint8_t> FramePipeline::rectified_left() const { return impl_->frame.left.cview(); }
 ImageView<const std::uint8_t> FramePipeline::rectified_right() const { return impl_->frame.right.cview(); }
 ImageView<const std::int16_t> FramePipeline::disparity() const { return impl_->frame.disparity.cview(); }
+ImageView<const std::uint8_t> FramePipeline::mask() const { return impl_->odometry.mask(); }
 
 }  // namespace cliquevo::daemon

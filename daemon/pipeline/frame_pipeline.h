@@ -4,6 +4,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "core/vo/visual_odometry.h"
 #include "daemon/pipeline/stage_times.h"
@@ -32,11 +33,15 @@ class FramePipeline {
   const vo::Estimate& estimate() const;
   const vo::Movers& movers() const;
   const StageTimes& times() const;
+  // What became of the last frame's features.
+  void list_features(std::vector<vo::SeenFeature>& out) const;
   const StereoModel& model() const;
   // Of the last frame, valid until the next process().
   ImageView<const std::uint8_t> rectified_left() const;
   ImageView<const std::uint8_t> rectified_right() const;
   ImageView<const std::int16_t> disparity() const;
+  // Where features may be: 0 = not there; empty = everywhere.
+  ImageView<const std::uint8_t> mask() const;
 
  private:
   struct Impl;

@@ -15,6 +15,7 @@ struct LcmConfig {
   std::string delta_body_channel;  // empty = off, as all that are not required
   std::string images_channel;
   std::string movers_channel;
+  std::string features_channel;
   std::string health_channel = "VO_HEALTH";
   double images_rate_hz = 2.0;
   std::string command_channel;  // received: see CommandReceiver
@@ -38,6 +39,8 @@ inline constexpr LcmChannel kLcmChannels[] = {
      "rectified left image and disparity, e.g. VO_IMAGES; empty = not sent"},
     {"movers_channel", &LcmConfig::movers_channel, false,
      "things that move by themselves, e.g. VO_MOVERS; empty = not sent"},
+    {"features_channel", &LcmConfig::features_channel, false,
+     "what became of each feature and each check, e.g. VO_FEATURES; empty = not sent"},
     {"health_channel", &LcmConfig::health_channel, false, "rates, latency, drops, once a second; empty = not sent"},
 };
 

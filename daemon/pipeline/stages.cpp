@@ -105,12 +105,14 @@ Result<OdometryStage> OdometryStage::make(const vo::VoParams& params, const Sour
                                           const StereoStage& stereo) {
   auto odometry = vo::VisualOdometry::make(stereo.model(), params);
   if (!odometry) return odometry.error();
-  const auto area = usable_area(stereo.rectifier(), Eye::left, source.left_mask.cview(), source.calibration.left);
+  auto area = usable_area(stereo.rectifier(), Eye::left, source.left_mask.cview(), source.calibration.left);
   if (!area) return area.error();
   if (!area->empty()) {
     if (auto ok = odometry->set_mask(area->cview()); !ok) return ok.error();
   }
-  return OdometryStage(std::move(*odometry));
+  OdometryStage stage(std::move(*odometry));
+  stage.mask_ = std::move(*area);
+  return stage;
 }
 
 Result<void> OdometryStage::run(TimestampNs stamp_ns, StereoFrame& frame) {

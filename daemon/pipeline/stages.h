@@ -55,11 +55,15 @@ class OdometryStage {
   Result<void> run(TimestampNs stamp_ns, StereoFrame& frame);
   const vo::Estimate& estimate() const { return odometry_.estimate(); }
   const vo::Movers& movers() const { return odometry_.movers(); }
+  // Rectified: 0 = no features there; empty = none are left out.
+  ImageView<const std::uint8_t> mask() const { return mask_.cview(); }
+  void list_features(std::vector<vo::SeenFeature>& out) const { odometry_.list_features(out); }
   void reset() { odometry_.reset(); }
 
  private:
   explicit OdometryStage(vo::VisualOdometry odometry);
   vo::VisualOdometry odometry_;
+  Image<std::uint8_t> mask_;  // empty = all of it is usable
 };
 
 }  // namespace cliquevo::daemon

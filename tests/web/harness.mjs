@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What the browser's tests share: the program under test, Debian's Chromium, checks that say what they found.
+import { spawn } from "node:child_process";
+import fs from "node:fs";
+import path from "node:path";
+import { chromium } from "playwright-core";
+
+export const program = process.argv[2];
+export const output = process.argv[3];
+fs.mkdirSync(output, { recursive: true });
+
+let failures = 0;
+export function check(what, ok, found = "") {
+  console.log(`${ok ? "ok  " : "FAIL"} ${what}${ok || found === "" ? "" : `: ${JSON.stringify(found)}`}`);
+  if (!ok) ++failures;
+}
+
+const started = [];
+// Starts `cliquevo view ...` on a free port; resolves to its address.
+export function startView(...args) {
+  const child = spawn(program, ["view", "--port", "0", ...args], { stdio: ["ignore", "pipe", "pipe"] });
+  started.push(child);
+  child.errors = "";
+  child.stderr.on("data", (text) => { child.errors += text; });
+  return new Promise((resolve, reject) => {
+    let told = "";
+    child.stdout.on("data", (text) => {
+      told += text;
+      const found = told.match(/http:\/\/\S+/);
+      if (found) resolve({ address: found[0], child });
+    });
+    child.on("exit", (code) => reject(new Error(`cliquevo view ended with ${code}: ${child.errors}`)));
+  });
+}
+
+// Another program, which ends with the test.
+export function start(path, ...args) {
+  const child = spawn(path, args, { stdio: ["ignore", "ignore", "ignore"] });
+  started.push(child);
+  return child;
+}
+
+export function run(args, options = {}) {
+  return new Promise((resolve) => {
+    const child = spawn(program, args, { stdio: ["ignore", "pipe", "pipe"], ...options });
+    let out = "", err = "";
+    child.stdout.on("data", (t) => { out += t; });
+    child.stderr.on("data", (t) => { err += t; });
+    child.on("exit", (code) => resolve({ code, out, err }));
+  });
+}
+
+export const wait = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+export async function until(what, test, seconds = 40) {
+  for (const end = Date.now() + 1000 * seconds; Date.now() < end; await wait(60)) {
+    try { if (await test()) return true; } catch { /* not yet */ }
+  }
+  check(what, false, "waited in vain");
+  return false;
+}
+
+export async function startBrowser() {
+  const executablePath = ["/usr/bin/chromium", "/usr/bin/chromium-browser"].find((p) => fs.existsSync(p));
+  if (!executablePath) throw new Error("no Chromium: tools/setup installs it");
+  return chromium.launch({ executablePath, args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist", "--disable-dev-shm-usage"] });
+}
+
+// A page whose every complaint and every request to another place is kept.
+export async function openPage(browser, address, size = { width: 1440, height: 900 }) {
+  const page = await browser.newPage({ viewport: size });
+  page.complaints = [];
+  page.strangers = [];
+  page.on("console", (m) => { if (m.type() === "error" || m.type() === "warning") if (!/GPU stall|GL Driver|WebGL|willReadFrequently/.test(m.text())) page.complaints.push(m.text()); });
+  page.on("pageerror", (e) => page.complaints.push(String(e)));
+  page.on("request", (r) => { const u = r.url(); if (!u.startsWith(address.split("?")[0]) && !/^(data|blob):/.test(u)) page.strangers.push(u); });
+  await page.goto(address);
+  return page;
+}
+
+export const shot = (page, name) => page.screenshot({ path: path.join(output, `${name}.png`) });
+
+// Runs the whole test; the exit code tells CTest.
+export async function main(body) {
+  let browser = null;
+  try {
+    browser = await startBrowser();
+    await body(browser);
+  } catch (error) {
+    check("the test ran through", false, String(error.stack ?? error));
+  }
+  await browser?.close();
+  for (const child of started) { child.removeAllListeners("exit"); child.kill("SIGTERM"); }
+  console.log(failures ? `${failures} checks failed` : "all checks passed");
+  process.exit(failures ? 1 : 0);
+}

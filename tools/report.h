@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pages about a run, an evaluation or a comparison: one file each, made of the view's own parts, that opens from disk.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "daemon/pipeline/trajectory_file.h"
+#include "tools/run_log.h"
+#include "tools/view/album.h"
+
+namespace cliquevo::tools {
+
+struct RunTexts {
+  std::string title;
+  std::string summary;        // as printed
+  std::string stats_json;     // as --stats writes it
+  std::string configuration;  // in force
+  StereoModel model;
+};
+std::string run_report(const RunTexts& texts, const RunLog& log, const std::optional<RunReference>& reference,
+                       const view::Album& album);
+// result: as `eval --json` prints it.
+std::string evaluation_report(const std::string& title, const nlohmann::json& result,
+                              const daemon::Trajectory& estimate, const std::vector<PosePair>& pairs);
+// comparison: as `compare --json` prints it.
+std::string comparison_report(const std::string& title, const nlohmann::json& comparison);
+
+}  // namespace cliquevo::tools

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo view: what is seen, live and afterwards, in a browser.
+#include "tools/view/view.h"
+
+#include <cstdio>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "daemon/pipeline/config.h"
+#include "tools/commands.h"
+#include "tools/exit_code.h"
+#include "tools/source_argument.h"
+#include "tools/stop_on_signal.h"
+#include "tools/view/pipeline_feed.h"
+
+namespace cliquevo::tools {
+
+namespace {
+
+struct ViewArguments {
+  SourceArgument source;
+  std::string config;
+  std::string lcm_url;
+  view::ViewOptions options;
+};
+
+Result<std::unique_ptr<view::Feed>> open_feed(const ViewArguments& arguments, const daemon::Config& config) {
+  if (!arguments.lcm_url.empty()) return view::open_lcm_feed(arguments.lcm_url);
+  auto source = open_source(arguments.source, config.source);
+  if (!source) return source.error();
+  auto pipeline = daemon::FramePipeline::make({config.stereo, config.odometry, config.rectify}, (*source)->info());
+  if (!pipeline) return pipeline.error();
+  return view::make_pipeline_feed(std::move(*source), std::move(*pipeline));
+}
+
+int run(ViewArguments& arguments) {
+  const bool both = !arguments.source.text.empty() && !arguments.lcm_url.empty();
+  if (both) return report({"wrong usage", "cliquevo view", "give SOURCE or --lcm, not both"}, kWrongUsage);
+  daemon::Config config = daemon::default_config();
+  if (!arguments.config.empty()) {
+    auto read = daemon::read_config(arguments.config);
+    if (!read) return report(read.error());
+    config = std::move(*read);
+  }
+  if (arguments.source.text.empty()) {
+    if (arguments.lcm_url.empty()) arguments.lcm_url = config.lcm.url;
+    if (arguments.options.control_socket.empty()) arguments.options.control_socket = config.control.socket;
+  } else if (auto usable = check_source(arguments.source); !usable) {
+    return report(usable.error(), kWrongUsage);
+  }
+  auto feed = open_feed(arguments, config);
+  if (!feed) return report(feed.error());
+  const StopOnSignal signals;
+  const auto told = [](const std::string& address) {
+    fmt::print("{}\n", address);
+    std::fflush(stdout);
+  };
+  const auto done = run_view(std::move(*feed), arguments.options, told, [] { return StopOnSignal::asked(); });
+  return done ? kDone : report(done.error());
+}
+
+}  // namespace
+
+void add_view_command(CLI::App& app, int& exit_code, const std::string& version) {
+  auto arguments = std::make_shared<ViewArguments>();
+  arguments->options.version = version;
+  CLI::App* command = app.add_subcommand("view", "See what it sees: a page for the browser, live or of a recording");
+  command->add_option(
+      "SOURCE", arguments->source.text,
+      "A recording, an LCM log, sim or sim:key=value,... as replay takes them; none: the running daemon");
+  command
+      ->add_option("--lcm", arguments->lcm_url, "Look at the daemon that sends here (default: the configuration's URL)")
+      ->type_name("URL");
+  command->add_option("--config", arguments->config, "Configuration (config/cliquevo.yaml tells every key)")
+      ->type_name("FILE");
+  add_calibration_options(*command, arguments->source);
+  add_eye_options(*command, arguments->source);
+  auto& server = arguments->options.server;
+  command->add_option("--port", server.port, "Port of the page, 0 = any that is free")
+      ->capture_default_str()
+      ->type_name("N");
+  command
+      ->add_option("--listen", server.listen,
+                   "Address to serve at. Another than loopback can be reached by others: the address told then holds a "
+                   "token, without which nothing is served")
+      ->capture_default_str()
+      ->type_name("ADDR");
+  command->add_option("--keep-mb", arguments->options.keep_mb, "Most of pictures kept, in a file in TMPDIR (/var/tmp)")
+      ->check(CLI::Range(std::int64_t{64}, std::int64_t{1} << 20))
+      ->capture_default_str()
+      ->type_name("MB");
+  command
+      ->add_option("--socket", arguments->options.control_socket,
+                   "The daemon's control.socket: with it the page can start and stop recording")
+      ->type_name("PATH");
+  command->add_flag("--open", arguments->options.open_browser, "Open the page in the browser");
+  command->footer(
+      "Prints the page's address and serves until Ctrl-C. Of a daemon it shows what is sent: pictures, features and\n"
+      "movers where lcm.images_channel, lcm.features_channel and lcm.movers_channel name VO_IMAGES, VO_FEATURES and\n"
+      "VO_MOVERS.\n"
+      "Examples:\n"
+      "  cliquevo view sim:frames=300,movers=3 --open\n"
+      "  cliquevo view /data/drive_0027\n"
+      "  cliquevo view --lcm 'udpm://239.255.76.67:7667?ttl=0'");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace cliquevo::tools

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// HTTP and WebSocket for the page, on one thread. A page asks for frames and gets each when the one before has gone
+// out: one that is slow skips frames, and nothing waits for it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "core/base/result.h"
+#include "tools/view/access.h"
+#include "tools/view/store.h"
+
+namespace cliquevo::view {
+
+struct ServerOptions {
+  std::string listen = "127.0.0.1";
+  std::uint16_t port = 8470;  // 0: any that is free
+};
+
+// What the server tells pages beside frames. Called on the server's thread; none may wait.
+struct Telling {
+  std::function<std::string()> hello;  // JSON object, once a page
+  // JSON object, whenever its text has changed.
+  std::function<std::string()> state;
+  // Does what was asked for; what comes of it is in the state.
+  std::function<void(PageCommand::What)> command;
+};
+
+class Server {
+ public:
+  // Fails when the address cannot be had. Where it is not loopback, a token is made and asked for.
+  static Result<std::unique_ptr<Server>> open(const ServerOptions& options, const Store& store, Telling telling);
+  virtual ~Server() = default;
+  // "http://127.0.0.1:8470/", with the token where one is asked for.
+  virtual std::string address() const = 0;
+  // Serves until `stopped` says so, which is asked ten times a second and more.
+  virtual void run(const std::function<bool()>& stopped) = 0;
+};
+
+}  // namespace cliquevo::view
