@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "daemon/pipeline/config.h"
-#include "tests/support/test_data.h"
+#include "tests/support/subprocess.h"
 
 namespace cliquevo::tools {
 namespace {
