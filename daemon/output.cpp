@@ -27,13 +27,13 @@ Result<std::unique_ptr<Output>> Output::make(Publisher publisher, const Config& 
 
 void Output::take(const PublishedFrame& frame) {
   bool taken = publisher.publish(frame);
-  if (const TappedImages* images = tap.take()) {  // after the pose: nobody steers by a picture
-    taken = publisher.publish(*images) && taken;
-    tap.give_back();
-  }
   if (const TappedFeatures* features = feature_tap.take()) {
     taken = publisher.publish(*features, model) && taken;
     feature_tap.give_back();
+  }
+  if (const TappedImages* images = tap.take()) {  // after the pose: nobody steers by a picture
+    taken = publisher.publish(*images) && taken;
+    tap.give_back();
   }
   if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
     spdlog::warn("LCM does not take messages: further ones are only counted");

@@ -18,7 +18,7 @@ export function check(what, ok, found = "") {
 const started = [];
 // Starts `cliquevo view ...` on a free port; resolves to its address.
 export function startView(...args) {
-  const child = spawn(program, ["view", "--port", "0", ...args], { stdio: ["ignore", "pipe", "pipe"] });
+  const child = spawn(program, ["view", ...(args.includes("--port") ? [] : ["--port", "0"]), ...args], { stdio: ["ignore", "pipe", "pipe"] });
   started.push(child);
   child.errors = "";
   child.stderr.on("data", (text) => { child.errors += text; });

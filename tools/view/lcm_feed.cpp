@@ -42,6 +42,12 @@ RigidTransform transform(const double (&t)[3], const double (&q)[4]) {
   return out.is_finite() ? out : RigidTransform{};
 }
 
+// Pictures come in many packets at once: room for them, where the system grants it (net.core.rmem_max).
+std::string with_room(const std::string& url) {
+  if (!url.starts_with("udpm:") || url.find("recv_buf_size") != std::string::npos) return url;
+  return url + (url.find('?') == std::string::npos ? '?' : '&') + "recv_buf_size=4194304";
+}
+
 // Messages of one frame.
 struct Pending {
   std::optional<update_t> delta;
@@ -119,7 +125,7 @@ void take_checks(const features_t& m, FrameFacts& out) {
 
 class LcmFeed final : public Feed {
  public:
-  explicit LcmFeed(const std::string& url) : url_(url), lcm_(url) {
+  explicit LcmFeed(const std::string& url) : url_(url), lcm_(with_room(url)) {
     subscribe<update_t>("VO_DELTA_CAMERA", [this](const update_t& m) { pending(m.timestamp).delta = m; });
     subscribe<pose_t>("POSE_BODY", [this](const pose_t& m) { pending(m.utime).pose = m; });
     subscribe<status_t>("VO_STATUS", [this](const status_t& m) { pending(m.utime).status = m; });
