@@ -8,7 +8,7 @@ import { main, openPage, output, run, startView, until, wait } from "./harness.m
 const to = (name) => path.join(output, name);
 const seek = (page, n) => page.evaluate(async (k) => {
   const v = window.cliquevo;
-  v.playing = false; v.at = k - 1;
+  v.playing = false; v.follow = false; v.at = k - 1;
   document.dispatchEvent(new KeyboardEvent("keydown", { key: "ArrowRight" }));
   for (let i = 0; i < 200 && !String(v.shown).startsWith(`${k}/`); ++i) await new Promise((r) => setTimeout(r, 20));
 }, n);
@@ -18,10 +18,10 @@ await main(async (browser) => {
   const page = await openPage(browser, address, { width: 1360, height: 850 });
   await until("all frames", () => page.evaluate(() => window.cliquevo.state.done && window.cliquevo.records.end === 150), 200);
   await wait(1200);
-  for (let i = 0; i < 36; ++i) {
+  for (let i = 0; i < 18; ++i) {
+    if (i === 6) await page.keyboard.press("d");
     if (i === 12) await page.keyboard.press("d");
-    if (i === 24) await page.keyboard.press("d");
-    await seek(page, 30 + i * 3);
+    await seek(page, 30 + i * 5);
     await wait(120);
     await page.screenshot({ path: to(`moving-${String(i).padStart(3, "0")}.png`) });
   }
