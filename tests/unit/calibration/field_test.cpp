@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "daemon/pipeline/frame_pipeline.h"
+#include "drivers/calibration_file.h"
 #include "drivers/recording.h"
 #include "tests/support/test_data.h"
 
