@@ -210,6 +210,15 @@ void watch(Pipeline& pipeline, Output& output, Recording& recording, Commands& c
 
 int unexpected_end() { return Service::is_managed() ? kStartAgain : kBadInput; }
 
+namespace {
+
+int ended_by(const Error& error) {
+  report(error);
+  return is_caught(error) ? unexpected_end() : kBadInput;
+}
+
+}  // namespace
+
 int check(const DaemonOptions& options) {
   const auto config = load(options);
   if (!config) return report(config.error()), kBadInput;
@@ -228,8 +237,8 @@ int run(const DaemonOptions& options) {
   const Signals signals;
   Service service;
   auto config = load(options);
-  if (!config) return report(config.error()), kBadInput;
-  if (const auto ok = config->check(); !ok) return report(ok.error()), kBadInput;
+  if (!config) return ended_by(config.error());
+  if (const auto ok = config->check(); !ok) return ended_by(ok.error());
   set_up_log(config->log_level);
   if (config->realtime.lock_memory) {
     const std::string refused = rt::lock_memory();
@@ -239,13 +248,13 @@ int run(const DaemonOptions& options) {
   config->source.cameras.patience_s = 0.0;  // it waits itself, and says for what
   StartUp start(*config, signals, service);
   auto rig = start.try_once();
-  if (!rig) return report(rig.error()), kBadInput;
+  if (!rig) return ended_by(rig.error());
   if (start.stop_asked()) return kDone;
   auto publisher = make_publisher(*config, signals, service);
-  if (!publisher) return report(publisher.error()), kBadInput;
+  if (!publisher) return ended_by(publisher.error());
   if (!*publisher) return kDone;
   if (!*rig) rig = start.wait(**publisher);
-  if (!rig) return report(rig.error()), kBadInput;
+  if (!rig) return ended_by(rig.error());
   if (!*rig) return kDone;
   Rig& shop = **rig;
   const drivers::SourceInfo& info = shop.source->info();
@@ -257,7 +266,7 @@ int run(const DaemonOptions& options) {
                 {}};
   if (!options.trajectory.empty()) {
     auto trajectory = TrajectorySink::open(options.trajectory);
-    if (!trajectory) return report(trajectory.error()), kBadInput;
+    if (!trajectory) return ended_by(trajectory.error());
     output.trajectory.emplace(std::move(*trajectory));
   }
   describe(info, shop.size, model);
@@ -301,7 +310,7 @@ int run(const DaemonOptions& options) {
   const bool info_live = info.live;
   auto examined = examine_first_pairs(std::move(shop.source), [](const std::string& line) { spdlog::warn(line); });
   auto pipeline = Pipeline::start(pipeline_options, std::move(work), record_pairs(std::move(examined), recording));
-  if (!pipeline) return report(pipeline.error()), kBadInput;
+  if (!pipeline) return ended_by(pipeline.error());
   for (const std::string& missing : pipeline->shortfalls()) spdlog::warn("without real-time rights: {}", missing);
 
   {
@@ -326,8 +335,10 @@ int run(const DaemonOptions& options) {
   if (output.trajectory) {
     if (const auto ok = output.trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);
   }
-  if (const auto ok = pipeline->outcome(); !ok)
-    exit_code = (report(ok.error()), info_live ? unexpected_end() : kBadInput);
+  if (const auto ok = pipeline->outcome(); !ok) {
+    exit_code = ended_by(ok.error());
+    if (info_live) exit_code = unexpected_end();
+  }
   return exit_code;
 }
 
