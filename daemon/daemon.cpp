@@ -236,6 +236,7 @@ int check(const DaemonOptions& options) {
 int run(const DaemonOptions& options) {
   const Signals signals;
   Service service;
+  rt::exceptions_end_with(unexpected_end());
   auto config = load(options);
   if (!config) return ended_by(config.error());
   if (const auto ok = config->check(); !ok) return ended_by(ok.error());
