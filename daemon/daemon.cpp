@@ -10,7 +10,9 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "core/base/caught.h"
 #include "core/rt/memory.h"
+#include "core/rt/thread.h"
 #include "daemon/commands.h"
 #include "daemon/daemon_work.h"
 #include "daemon/first_pairs.h"
@@ -75,6 +77,11 @@ PipelineOptions pipeline_options(const Config& config) {
   options.output.fifo_priority = config.realtime.output_priority;
   options.catch_up_frames = config.realtime.catch_up_frames;
   return options;
+}
+
+int ended_by(const Error& error) {
+  report(error);
+  return is_caught(error) ? unexpected_end() : kBadInput;
 }
 
 // Everything that runs, in the order in which it is built.
@@ -192,7 +199,8 @@ int Daemon::close() {
     if (const auto ok = output_->trajectory->close(); !ok) exit_code = (report(ok.error()), kBadInput);
   }
   if (const auto ok = pipeline_->outcome(); !ok) {
-    exit_code = (report(ok.error()), live_ ? unexpected_end() : kBadInput);
+    exit_code = ended_by(ok.error());
+    if (live_) exit_code = unexpected_end();
   }
   return exit_code;
 }
@@ -216,12 +224,13 @@ int check(const DaemonOptions& options) {
 
 int run(const DaemonOptions& options) {
   const Signals signals;
+  rt::exceptions_end_with(unexpected_end());
   auto config = load_config(options.config);
-  if (!config) return report(config.error()), kBadInput;
+  if (!config) return ended_by(config.error());
   config->source.cameras.patience_s = 0.0;  // it waits itself, and says for what
   Daemon daemon(options, *config, signals);
   const auto built = daemon.build();
-  if (!built) return report(built.error()), kBadInput;
+  if (!built) return ended_by(built.error());
   if (!*built) return kDone;
   daemon.run();
   return daemon.close();

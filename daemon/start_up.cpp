@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include "core/base/caught.h"
 #include "core/base/clock.h"
 #include "daemon/lcm/messages.h"
 #include "daemon/pipeline/source.h"
@@ -40,8 +41,8 @@ struct Try {
 void run(const Config& config, Try& into) {
   try {
     into.rig = open_rig(config, into.trouble);
-  } catch (const std::exception& error) {  // out of memory, a library at its end
-    into.rig = Error{"cannot open the source", "source.type = " + config.source.type, error.what()};
+  } catch (...) {  // out of memory, a library at its end
+    into.rig = caught("source.type = " + config.source.type);
     into.trouble = OpenTrouble::lasting;
   }
   into.done.store(true, std::memory_order_release);

@@ -14,16 +14,20 @@
 
 namespace cliquevo {
 
+inline constexpr const char* kCaught = "cannot go on";
+// Whether an error is an exception that nobody expected.
+inline bool is_caught(const Error& error) { return error.what == kCaught; }
+
 // What the exception being handled says; call it in a catch block. The texts of "out of memory" need none.
 inline Error caught(const std::string& where) {
   try {
     throw;
   } catch (const std::bad_alloc&) {
-    return {"cannot go on", where, "no memory left"};
+    return {kCaught, where, "no memory left"};
   } catch (const std::exception& exception) {
-    return {"cannot go on", where, exception.what()};
+    return {kCaught, where, exception.what()};
   } catch (...) {
-    return {"cannot go on", where, "unknown error"};
+    return {kCaught, where, "unknown error"};
   }
 }
 

@@ -2,6 +2,7 @@
 #include "core/rt/thread.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <limits.h>
@@ -31,14 +32,18 @@ void note(std::string& shortfall, const std::string& what, int error) {
   shortfall += what + ": " + std::strerror(error);
 }
 
-// The last resort for a body that lets an exception out: one line, and the exit code of a bad environment.
+std::atomic<int> code_of_exceptions{1};  // of a bad environment
+
+// The last resort for a body that lets an exception out: one line, and an exit code.
 [[noreturn]] void end_program(const Error& error) {
   const std::string line = printable(error.line()) + "\n";
-  if (::write(STDERR_FILENO, line.data(), line.size()) < 0) std::_Exit(1);
-  std::_Exit(1);
+  if (::write(STDERR_FILENO, line.data(), line.size()) < 0) std::_Exit(code_of_exceptions);
+  std::_Exit(code_of_exceptions);
 }
 
 }  // namespace
+
+void exceptions_end_with(int exit_code) { code_of_exceptions = exit_code; }
 
 std::string schedule(std::thread::native_handle_type thread, const ThreadOptions& options) {
   std::string shortfall;

@@ -23,11 +23,15 @@ struct ThreadOptions {
 // Operation not permitted"; empty = all was.
 std::string schedule(std::thread::native_handle_type thread, const ThreadOptions& options);
 
+// The exit code of a program that a thread ends by an exception.
+void exceptions_end_with(int exit_code);
+
 class Thread {
  public:
   Thread() noexcept;  // none
   // Fails only when no thread can be made. Without the right to a priority or the core, the thread runs all the same:
-  // shortfall() tells. A body that lets an exception out ends the program: one line on stderr, exit code 1.
+  // shortfall() tells. A body that lets an exception out ends the program: one line on stderr, exit code 1
+  // (or what exceptions_end_with() says).
   static Result<Thread> start(const ThreadOptions& options, std::function<void()> body);
   Thread(Thread&&) noexcept;
   Thread& operator=(Thread&&) noexcept;  // joins the one it held

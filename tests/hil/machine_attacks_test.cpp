@@ -148,6 +148,21 @@ TEST(StandardStreams, AStderrThatIsFullOrClosedEndsNothing) {
   }
 }
 
+// The unit starts it again after every code but 1 and 2.
+TEST(MemoryTrouble, EndsAServiceWithACodeThatRestartsItAndAStartByHandWithOne) {
+  const std::string dir = scratch_dir();
+  std::ofstream(dir + "/c.yaml") << "source: {simulator: {width: 2000, height: 1500, focal_px: 2000, frames: 2, "
+                                    "cache_dir: none}}\nrealtime: {lock_memory: false}\nrectify: {scale: 1}\n"
+                                    "control: {socket: \"\"}\nlcm: {url: \"memq://\"}\n";
+  const std::vector<std::string> short_of_memory{
+      "sh", "-c", "ulimit -v 122880; exec " + binary("cliquevod") + " --config " + dir + "/c.yaml"};
+  const Finished by_hand = run(short_of_memory);
+  EXPECT_EQ(by_hand.exit_code, 1) << by_hand.err;
+  EXPECT_NE(by_hand.err.find("cannot go on"), std::string::npos) << by_hand.err;
+  const Finished service = run(short_of_memory, {{"NOTIFY_SOCKET", dir + "/notify"}});
+  EXPECT_EQ(service.exit_code, 75) << service.err;
+}
+
 TEST(StandardStreams, AStdoutThatCannotBeWrittenIsExitCodeOne) {
   const std::string dir = scratch_dir();
   const std::string config = quick_course(dir);
