@@ -9,7 +9,7 @@
 
 #include "daemon/lcm/lcm_url.h"
 #include "daemon/log.h"
-#include "daemon/status_report.h"
+#include "daemon/lcm/status_report.h"
 
 namespace cliquevo::daemon {
 

@@ -10,14 +10,14 @@ namespace cliquevo::daemon {
 Result<std::unique_ptr<Output>> Output::make(Publisher publisher, const Config& config, const StereoModel& model,
                                              const std::string& trajectory) {
   const double images_rate_hz = config.lcm.images_channel.empty() ? 0.0 : config.lcm.images_rate_hz;
-  std::unique_ptr<Output> out(new Output{
-      std::move(publisher),
-      {model.width, model.height, images_rate_hz},
-      {!config.lcm.features_channel.empty(), static_cast<std::size_t>(config.odometry.max_features)},
-      model,
-      std::nullopt,
-      {},
-      {}});
+  std::unique_ptr<Output> out(
+      new Output{std::move(publisher),
+                 {model.width, model.height, images_rate_hz},
+                 {!config.lcm.features_channel.empty(), static_cast<std::size_t>(config.odometry.max_features)},
+                 model,
+                 std::nullopt,
+                 {},
+                 {}});
   if (trajectory.empty()) return out;
   auto sink = TrajectorySink::open(trajectory);
   if (!sink) return sink.error();

@@ -157,25 +157,24 @@ int run_eval(const EvalArguments& arguments) {
   return kDone;
 }
 
+// nan is above nothing and below nothing: it must be asked for what it is not.
+CLI::Validator in_range(double least, double most, bool (*taken)(double, double), const std::string& what) {
+  return CLI::Validator(
+      [=](const std::string& text) {
+        double value = 0.0;
+        const bool number = CLI::detail::lexical_cast(text, value);
+        return number && taken(value, least) && value <= most ? std::string() : "'" + text + "' is not " + what;
+      },
+      "");
+}
+
 }  // namespace
 
 void add_eval_command(CLI::App& app, int& exit_code) {
-  // nan is above nothing and below nothing: it must be asked for what it is not.
-  const CLI::Validator is_length(
-      [](const std::string& text) {
-        double value = 0.0;
-        const bool number = CLI::detail::lexical_cast(text, value);
-        return number && value > 0.0 && value <= 1e9 ? std::string() : "'" + text + "' is not a length in m";
-      },
-      "");
-  const CLI::Validator is_tolerance(
-      [](const std::string& text) {
-        double value = 0.0;
-        const bool number = CLI::detail::lexical_cast(text, value);
-        return number && value >= 0.0 && value <= 1e6 ? std::string()
-                                                      : "'" + text + "' is not a time from 0 to 1000000 s";
-      },
-      "");
+  const CLI::Validator is_length = in_range(
+      0.0, 1e9, [](double value, double least) { return value > least; }, "a length in m");
+  const CLI::Validator is_tolerance = in_range(
+      0.0, 1e6, [](double value, double least) { return value >= least; }, "a time from 0 to 1000000 s");
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App* eval =
       app.add_subcommand("eval", "Compare a trajectory with its reference: segment errors, ATE, RPE, drift");

@@ -263,6 +263,20 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
   add_eye_options(replay, source);
 }
 
+// What is written about the run.
+void add_picture_options(CLI::App& replay, ReplayArguments& arguments) {
+  replay.add_option("--stats", arguments.stats, "Write each frame's verdict, counts, errors and times as JSON")
+      ->type_name("FILE.json");
+  replay
+      .add_option("--plot", arguments.plot,
+                  "Draw the trajectory and its error over distance: PNG, SVG or PDF by the name's ending")
+      ->type_name("FILE.png|svg|pdf");
+  replay
+      .add_option("--report", arguments.report,
+                  "Write a page about the run into one file: map, errors, verdicts, times, the worst frames as seen")
+      ->type_name("FILE.html");
+}
+
 }  // namespace
 
 void add_replay_command(CLI::App& app, int& exit_code) {
@@ -285,16 +299,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
           "Of the trajectory: kitti (12 numbers a line, default) or tum (seconds, position, quaternion)")
       ->check(CLI::IsMember({"kitti", "tum"}))
       ->type_name("NAME");
-  replay->add_option("--stats", arguments->stats, "Write each frame's verdict, counts, errors and times as JSON")
-      ->type_name("FILE.json");
-  replay
-      ->add_option("--plot", arguments->plot,
-                   "Draw the trajectory and its error over distance: PNG, SVG or PDF by the name's ending")
-      ->type_name("FILE.png|svg|pdf");
-  replay
-      ->add_option("--report", arguments->report,
-                   "Write a page about the run into one file: map, errors, verdicts, times, the worst frames as seen")
-      ->type_name("FILE.html");
+  add_picture_options(*replay, *arguments);
   replay
       ->add_option("--reference", arguments->reference,
                    "True trajectory for the plot and the summary (default: the recording's own poses.txt, "

@@ -37,6 +37,7 @@ Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument
   const drivers::CalibrationOptions& said = argument.calibration_options;
   if (said.baseline_unit_m > 0.0) options.calibration_options.baseline_unit_m = said.baseline_unit_m;
   if (said.rectified) options.calibration_options.rectified = true;
+  if (said.readout_ms > 0.0) options.calibration_options.readout_ms = said.readout_ms;
   if (!said.lens.empty()) options.calibration_options.lens = said.lens;
   if (argument.rate_hz) options.rate_hz = argument.rate_hz;
   if (argument.first) options.first = *argument.first;
@@ -72,6 +73,11 @@ void add_calibration_options(CLI::App& command, SourceArgument& source) {
                   "What four distortion terms without a name are: plumb_bob or equidistant (OpenCV's fisheye)")
       ->check(CLI::IsMember({"plumb_bob", "equidistant"}))
       ->type_name("MODEL");
+  command
+      .add_option("--readout-ms", source.calibration_options.readout_ms,
+                  "Rolling shutter: time from the first row's exposure to the last one's, ms")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->type_name("MS");
 }
 
 bool is_simulator(const std::string& source) {

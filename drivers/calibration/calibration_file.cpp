@@ -207,6 +207,9 @@ Result<void> CalibrationOptions::check() const {
   if (!(baseline_unit_m >= 0.0 && baseline_unit_m <= 1e6)) {
     return Error{"configuration value out of range", "baseline_unit", "give metres a unit, 0 to 1e6"};
   }
+  if (!(readout_ms >= 0.0 && readout_ms <= 1000.0)) {
+    return Error{"configuration value out of range", "readout_ms", "give milliseconds, 0 to 1000"};
+  }
   if (lens.empty() || lens == "plumb_bob" || lens == "equidistant") return {};
   return Error{"configuration value out of range", "lens", "give plumb_bob, equidistant, or nothing"};
 }

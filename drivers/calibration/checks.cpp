@@ -274,6 +274,7 @@ Result<StereoCalibration> finish_calibration(StereoCalibration c, const Calibrat
       if (const Result<void> ok = check_model(*model, request.path); !ok) return ok.error();
     }
   }
+  c.readout_s = 1e-3 * request.options.readout_ms;
   return request.options.rectified && !c.rectified ? rectified_already(std::move(c), request) : c;
 }
 

@@ -22,6 +22,21 @@ using test::Seen;
 using test::take_true_pairs;
 using test::trouble;
 
+void check_refusals(const drivers::CameraOptions& options) {
+  drivers::CameraOptions wrong = options;
+  wrong.left = "nowhere";
+  const auto missing = LibcameraPairs::open(wrong, trouble);
+  check(!missing.ok() && trouble == drivers::OpenTrouble::absent &&
+            missing.error().line().find(options.left) != std::string::npos,
+        "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
+  wrong = options;
+  wrong.pixel_format = "NV16";
+  const auto refused = LibcameraPairs::open(wrong, trouble);
+  check(!refused.ok() && trouble == drivers::OpenTrouble::lasting &&
+            refused.error().line().find("it offers YUYV") != std::string::npos,
+        "a format that is not offered: " + (refused.ok() ? std::string("taken") : refused.error().line()));
+}
+
 }  // namespace
 
 int main() {
@@ -43,20 +58,7 @@ int main() {
   options.left = seen[swapped ? 1 : 0].id;
   options.right = seen[swapped ? 0 : 1].id;
   options.rate_hz = 10.0;
-  {
-    drivers::CameraOptions wrong = options;
-    wrong.left = "nowhere";
-    const auto missing = LibcameraPairs::open(wrong, trouble);
-    check(!missing.ok() && trouble == drivers::OpenTrouble::absent &&
-              missing.error().line().find(options.left) != std::string::npos,
-          "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
-    wrong = options;
-    wrong.pixel_format = "NV16";
-    const auto refused = LibcameraPairs::open(wrong, trouble);
-    check(!refused.ok() && trouble == drivers::OpenTrouble::lasting &&
-              refused.error().line().find("it offers YUYV") != std::string::npos,
-          "a format that is not offered: " + (refused.ok() ? std::string("taken") : refused.error().line()));
-  }
+  check_refusals(options);
   // As the service starts where a camera comes late: the same tries in one process, until it is there.
   ::kill(right, SIGKILL);
   ::waitpid(right, nullptr, 0);

@@ -20,7 +20,7 @@
 #include "core/base/caught.h"
 #include "core/base/time.h"
 #include "daemon/lcm/lcm_url.h"
-#include "daemon/status_report.h"
+#include "daemon/lcm/status_report.h"
 #include "tools/view/feed.h"
 
 namespace cliquevo::view {

@@ -19,6 +19,8 @@ void add_calibration_options(drivers::CalibrationOptions& options, KeyTable& t) 
   t.flag("rectified", options.rectified, "whether the images are rectified by this calibration already");
   t.text("lens", options.lens,
          "of four distortion terms without a name: plumb_bob or equidistant; empty = judged by the numbers");
+  t.number("readout_ms", options.readout_ms, "ms", between(0, 1000),
+           "rolling shutter: time from the first row's exposure to the last one's; 0 = all rows at once");
 }
 
 void add_recording_keys(drivers::RecordingOptions& recording, KeyTable& t) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "daemon/status_report.h"
+#include "daemon/lcm/status_report.h"
 
 #include <nlohmann/json.hpp>
 
