@@ -8,8 +8,8 @@
 #include <spdlog/spdlog.h>
 
 #include "daemon/lcm/lcm_url.h"
-#include "daemon/log.h"
 #include "daemon/lcm/status_report.h"
+#include "daemon/log.h"
 
 namespace cliquevo::daemon {
 
