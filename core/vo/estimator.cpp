@@ -2,6 +2,7 @@
 #include "core/vo/estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/base/time.h"
@@ -22,6 +23,7 @@ constexpr double kFullCoverage = 0.5;  // of the picture's cells: inliers from s
 constexpr std::size_t kMostOthers = 8;
 constexpr double kMostTurn = 0.001;       // rad during a rolling shutter's readout, by vibration
 constexpr double kManyContradict = 0.25;  // of the check's bound
+constexpr double kMuchChange = 0.5;       // likewise, of running ground: worth knowing whether it is blur
 
 // Of two attempts, the one to go by: a valid one, else the one that found more.
 bool better(const Comparison& a, const Comparison& b) {
@@ -48,6 +50,7 @@ Estimator::Estimator(const StereoModel& model, const VoParams& params)
       others_(kMostOthers, static_cast<std::size_t>(params.max_features)) {
   const std::size_t n = static_cast<std::size_t>(params.max_features);
   matches_.reserve(n);
+  key_matches_.reserve(n);
   pairs_.reserve(n);
   clique_.reserve(n);
   observations_.reserve(2 * n);
@@ -102,7 +105,6 @@ void Estimator::match(const FramePair& pair, const Start& start, Comparison& out
   times.scores_ns += matcher_.scores_ns();
   times.matches_ns += matcher_.minima_ns();
   out.matches = static_cast<int>(matches_.size());
-  out.sharpness = sharpness_of(pair.reference, pair.current, matches_, scratch_);
   const std::int64_t start_ns = monotonic_ns();
   pairs_.clear();
   for (const Match& m : matches_) {
@@ -263,7 +265,7 @@ void Estimator::solve_with_turn(Comparison& out) {
 }
 
 ViewErrors Estimator::errors(const FramePair& pair, const Comparison& out) const {
-  ViewErrors errors{pair.check, out.motion.shift_px, pair.noise.row_shift_px(pair.current), out.sharpness};
+  ViewErrors errors{pair.check, out.motion.shift_px, pair.noise.row_shift_px(pair.current)};
   if (model_.readout_s > 0.0) {
     const Velocities v = velocities(pair.reference, pair.current, out.motion.T_prev_cur);
     errors.reference_velocity = v.reference;
@@ -283,7 +285,14 @@ void Estimator::judge(const FramePair& pair, Comparison& out) {
   const Findings before = findings(pair, out);
   if (params_.refine) {
     out.checks[Check::hanging_camera] = check_hanging_camera(before, pair.noise, scratch_);
-    out.checks[Check::running_ground] = check_running_ground(before, pair.noise, pair.caution, params_, scratch_);
+    const auto check_ground = [&] {
+      out.checks[Check::running_ground] = check_running_ground(before, pair.noise, pair.caution, params_, scratch_);
+    };
+    check_ground();
+    if (out.checks[Check::running_ground].ratio() > kMuchChange) {
+      excuse_blur(pair);
+      check_ground();
+    }
     const auto count = [&](Support::Contradicts which) {
       const CellVotes votes = support_.count(pair.reference, pair.current, pair.disparity, out.motion.T_prev_cur,
                                              errors(pair, out), observations_, which);
@@ -303,6 +312,18 @@ void Estimator::judge(const FramePair& pair, Comparison& out) {
   const int explained =
       other_finder_.find(pair.reference, pair.current, matches_, pairs_, out.motion, clique_finder_, solver_, others_);
   out.checks[Check::rival] = check_rival(explained);
+}
+
+// Takes off the patches' change what another blur than the reference's explains.
+void Estimator::excuse_blur(const FramePair& pair) {
+  std::array<double, 2> by_blur = {change_by_blur(pair.reference, pair.current, matches_, scratch_), 0.0};
+  if (references_.size() > 1) {
+    matcher_.match(pair.key->descriptors, pair.current.descriptors, key_matches_);
+    by_blur[1] = change_by_blur(*pair.key, pair.current, key_matches_, scratch_);
+  }
+  for (Observation& o : observations_) {
+    o.change -= static_cast<float>(by_blur[static_cast<std::size_t>(o.reference)]);
+  }
 }
 
 // A second motion that a good share as many matches support: which of the two is the world's?

@@ -28,7 +28,6 @@ struct Comparison {
   bool started = false;  // a first motion was there to be refined
   int matches = 0;
   int clique = 0;
-  Sharpness sharpness;                                  // of the current frame
   double eigenvalue_ratio = 0.0;                        // spread of the inliers in the image
   Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();  // rolling shutters: beside what the motions say, rad/s
   double key_overlap = 1.0;                             // share of the key frame's features that were found again
@@ -78,6 +77,7 @@ class Estimator {
   void refine(const FramePair& pair, PatchSize patches, Comparison& out);
   void solve_with_turn(Comparison& out);
   void judge(const FramePair& pair, Comparison& out);
+  void excuse_blur(const FramePair& pair);
   Evidence check_rival(int explained) const;
   ViewErrors errors(const FramePair& pair, const Comparison& out) const;
   Findings findings(const FramePair& pair, const Comparison& out) const;
@@ -95,6 +95,7 @@ class Estimator {
   OtherMotionFinder other_finder_;
   OtherMotions others_;
   std::vector<Match> matches_;
+  std::vector<Match> key_matches_;  // with the key frame, where blur changed
   std::vector<PointPair> pairs_;
   std::vector<int> clique_;
   std::vector<Observation> observations_;

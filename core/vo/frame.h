@@ -10,7 +10,6 @@
 #include "core/vo/features.h"
 #include "core/vo/matches.h"
 #include "core/vo/rolling_shutter.h"
-#include "core/vo/sharpness.h"
 
 namespace cliquevo::vo {
 
@@ -26,8 +25,6 @@ struct Frame {
   double row_shift_px = 0.0;
   double row_scatter_px = 0.0;
   double grey_scatter = 0.0;
-  double contrast = 0.0;  // of large parts of the left image (core/vo/sharpness.h)
-  Sharpness sharpness;
   // Rolling shutters only: velocity at the stamp, and the mean one since the frame before.
   Velocity velocity = Velocity::Zero();
   Velocity velocity_before = Velocity::Zero();

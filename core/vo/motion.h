@@ -22,9 +22,9 @@ bool align_points(const std::vector<PointPair>& pairs, const std::vector<int>& m
 struct Observation {
   Eigen::Vector3d uvd_ref = Eigen::Vector3d::Zero();
   Eigen::Vector3d uvd_cur = Eigen::Vector3d::Zero();
-  int reference = 0;    // which reference frame (index into `T_prev_ref`)
-  int feature = 0;      // caller's index
-  float change = 0.0F;  // of the patch since the reference, 1 - correlation, less what blur explains; 0: not tracked
+  int reference = 0;        // which reference frame (index into `T_prev_ref`)
+  int feature = 0;          // caller's index
+  float change = 0.0F;      // of the patch since the reference, 1 - correlation; 0 where not tracked
   float difference = 0.0F;  // between the eyes, likewise
   float brighter = 0.0F;    // than in the reference, grey levels
   // written by the solver

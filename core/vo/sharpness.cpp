@@ -2,9 +2,8 @@
 #include "core/vo/sharpness.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-
-#include "core/vo/frame.h"
 
 namespace cliquevo::vo {
 
@@ -13,7 +12,7 @@ namespace {
 constexpr int kRadius = 3;                 // of a patch
 constexpr int kBlock = 16;                 // px, side of a large part
 constexpr int kBlocks = 12;                // across the picture, at most
-constexpr std::size_t kMostMatches = 160;  // that are looked at, spread over all
+constexpr std::size_t kMostMatches = 400;  // that are looked at, spread over all
 constexpr std::size_t kLeastMatches = 20;  // for a median
 // Pictures of equal blur differ by so much, in logarithms of the variance.
 constexpr double kLikelyChange = 0.15;
@@ -87,8 +86,7 @@ double beyond_chance(double change, double error) {
   return std::copysign(std::max(0.0, std::abs(change) - kLikelyChange - kChance * error), change);
 }
 
-}  // namespace
-
+// Variance of the grey levels between large parts of a picture.
 double contrast_of_parts(ImageView<const std::uint8_t> image) {
   const int step_x = std::max(kBlock, image.width / kBlocks);
   const int step_y = std::max(kBlock, image.height / kBlocks);
@@ -107,10 +105,14 @@ double contrast_of_parts(ImageView<const std::uint8_t> image) {
   return sums.n > 1 ? sums.variance() / (kPixels * kPixels) : 0.0;
 }
 
-Sharpness sharpness_of(const Frame& reference, const Frame& current, const std::vector<Match>& matches,
-                       std::vector<float>& scratch) {
-  Sharpness out = reference.sharpness;
-  if (matches.size() < kLeastMatches || !(reference.contrast > 1.0) || !(current.contrast > 1.0)) return out;
+}  // namespace
+
+double change_by_blur(const Frame& reference, const Frame& current, const std::vector<Match>& matches,
+                      std::vector<float>& scratch) {
+  if (matches.size() < kLeastMatches) return 0.0;
+  const double parts_before = contrast_of_parts(reference.left.cview());
+  const double parts_now = contrast_of_parts(current.left.cview());
+  if (!(parts_before > 1.0) || !(parts_now > 1.0)) return 0.0;
   std::array<std::array<Patch, 2>, kMostMatches> patches;
   const std::size_t step = (matches.size() + kMostMatches - 1) / kMostMatches;
   std::size_t n = 0;
@@ -126,7 +128,7 @@ Sharpness sharpness_of(const Frame& reference, const Frame& current, const std::
     return median_and_error(scratch);
   };
   const auto [contrast, error] = change([](const Patch& p) { return p.contrast; });
-  out.contrast += beyond_chance(contrast - std::log(current.contrast / reference.contrast), error);
+  const double within = beyond_chance(contrast - std::log(parts_now / parts_before), error);
   std::array<double, 4> along{};
   double mean = 0.0, errors = 0.0;
   for (std::size_t k = 0; k < along.size(); ++k) {
@@ -135,17 +137,12 @@ Sharpness sharpness_of(const Frame& reference, const Frame& current, const std::
     mean += 0.25 * median;
     errors += 0.25 * its_error;
   }
-  for (std::size_t k = 0; k < along.size(); ++k) out.along[k] += beyond_chance(along[k] - mean, errors);
-  return out;
-}
-
-double change_by_blur(const Sharpness& a, const Sharpness& b) {
   double most = 0.0, least = 0.0;
-  for (std::size_t k = 0; k < a.along.size(); ++k) {
-    most = std::max(most, b.along[k] - a.along[k]);
-    least = std::min(least, b.along[k] - a.along[k]);
+  for (const double a : along) {
+    most = std::max(most, beyond_chance(a - mean, errors));
+    least = std::min(least, beyond_chance(a - mean, errors));
   }
-  return 1.0 - std::exp(-0.5 * std::abs(b.contrast - a.contrast) - kAcross * (most - least));
+  return 1.0 - std::exp(-0.5 * std::abs(within) - kAcross * (most - least));
 }
 
 }  // namespace cliquevo::vo

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <cstring>
 
-#include "core/vo/sharpness.h"
-
 namespace cliquevo::vo {
 
 namespace {
@@ -155,7 +153,6 @@ void Tracker::measure_views(ImageView<const std::int16_t> disparity, SelfCheck& 
     greys_.push_back(static_cast<double>(fit.residual));
   }
   check.update_vertical();
-  frame.contrast = contrast_of_parts(frame.left.cview());
   frame.row_shift_px = frame.row_scatter_px = frame.grey_scatter = 0.0;
   if (rows_.size() < kLeastRows) return;
   frame.row_shift_px = median_of(rows_);
@@ -244,7 +241,7 @@ bool Tracker::find(const Frame& reference, const Frame& current, const Feature& 
     o.uvd_cur = shutter_.at_stamp(model_, errors.velocity, o.uvd_cur);
   }
   o.brighter = fit.brighter;
-  o.change = 1.0F - fit.correlation - static_cast<float>(change_by_blur(reference.sharpness, errors.sharpness));
+  o.change = 1.0F - fit.correlation;
   o.difference = 1.0F - stereo.correlation;
   return true;
 }

@@ -25,7 +25,6 @@ struct ViewErrors {
   const SelfCheck& check;
   double shift_px = 0.0;  // of all disparities
   double row_px = 0.0;    // of all rows of the right image
-  Sharpness sharpness{};  // of the current frame
   // Rolling shutters only: how fast the reference and the current camera move.
   Velocity reference_velocity = Velocity::Zero();
   Velocity velocity = Velocity::Zero();

@@ -86,7 +86,6 @@ void VisualOdometry::Impl::load(const FrameInput& input) {
   compared = nullptr;
   current->stamp_ns = input.stamp_ns;
   current->shift_px = 0.0;
-  current->sharpness = {};
   current->velocity.setZero();
   current->velocity_before.setZero();
   current->turn_rate.setZero();
@@ -116,7 +115,6 @@ void VisualOdometry::Impl::follow(const FrameInput& input) {
   estimate.prev_stamp_ns = frames.valid()->stamp_ns;
   const auto [comparison, reference] = compare(input);
   const bool valid = comparison.status == Status::valid;
-  current->sharpness = comparison.sharpness;
   caution.next(valid);
   report(comparison);
   if (valid) {

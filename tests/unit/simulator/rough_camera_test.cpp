@@ -253,7 +253,7 @@ TEST(RoughCamera, ASetIsOverriddenByWhatIsGivenWhereverItStands) {
   EXPECT_EQ(webcam->width, 320);
   EXPECT_EQ(webcam->height, 240);
   EXPECT_EQ(webcam->focal_px, 350.0);
-  EXPECT_EQ(sim::with_camera(*webcam).jpeg_quality, 40);
+  EXPECT_EQ(sim::with_camera(*webcam).jpeg_quality, 70);
   for (const char* text : {"jpeg_quality=0,width=400,camera=webcam", "camera=webcam,width=400,jpeg_quality=0"}) {
     const auto o = parse_simulator_options(text);
     ASSERT_TRUE(o.ok());

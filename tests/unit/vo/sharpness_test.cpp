@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include "core/vo/frame.h"
-
 namespace cliquevo::vo {
 namespace {
 
@@ -53,9 +51,9 @@ Image<std::uint8_t> scaled(const Image<std::uint8_t>& from, double gain) {
   return out;
 }
 
-class SharpnessOf : public testing::Test {
+class ChangeByBlur : public testing::Test {
  protected:
-  SharpnessOf() : reference_(params_), current_(params_) {
+  ChangeByBlur() : reference_(params_), current_(params_) {
     for (int y = 16; y < kHeight - 16; y += 14) {
       for (int x = 16; x < kWidth - 16; x += 14) {
         Feature f;
@@ -70,9 +68,7 @@ class SharpnessOf : public testing::Test {
   double change(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
     reference_.left.copy_from(a.cview());
     current_.left.copy_from(b.cview());
-    reference_.contrast = contrast_of_parts(reference_.left.cview());
-    current_.contrast = contrast_of_parts(current_.left.cview());
-    return change_by_blur(reference_.sharpness, sharpness_of(reference_, current_, matches_, scratch_));
+    return change_by_blur(reference_, current_, matches_, scratch_);
   }
 
   VoParams params_;
@@ -81,24 +77,24 @@ class SharpnessOf : public testing::Test {
   std::vector<float> scratch_;
 };
 
-TEST_F(SharpnessOf, TheSamePictureHasNotChanged) {
+TEST_F(ChangeByBlur, TheSamePictureHasNotChanged) {
   const Image<std::uint8_t> sharp = texture();
   EXPECT_EQ(change(sharp, sharp), 0.0);
 }
 
-TEST_F(SharpnessOf, ExposureIsNoBlur) {
+TEST_F(ChangeByBlur, ExposureIsNoBlur) {
   const Image<std::uint8_t> sharp = texture();
   EXPECT_NEAR(change(sharp, scaled(sharp, 0.7)), 0.0, 1e-12);
 }
 
-TEST_F(SharpnessOf, BlurExplainsThatPatchesNoLongerCorrelateEitherWay) {
+TEST_F(ChangeByBlur, BlurExplainsThatPatchesNoLongerCorrelateEitherWay) {
   const Image<std::uint8_t> sharp = texture();
   const Image<std::uint8_t> soft = blurred(blurred(sharp, 1, 0, 2), 0, 1, 2);
   EXPECT_GT(change(sharp, soft), 0.3);
   EXPECT_GT(change(soft, sharp), 0.3);
 }
 
-TEST_F(SharpnessOf, PicturesBlurredInTwoDirectionsLackAPartOfEachOther) {
+TEST_F(ChangeByBlur, PicturesBlurredInTwoDirectionsLackAPartOfEachOther) {
   const Image<std::uint8_t> sharp = texture();
   const Image<std::uint8_t> across = blurred(sharp, 1, 0, 3);
   const Image<std::uint8_t> down = blurred(sharp, 0, 1, 3);
@@ -106,7 +102,7 @@ TEST_F(SharpnessOf, PicturesBlurredInTwoDirectionsLackAPartOfEachOther) {
   EXPECT_EQ(change(across, across), 0.0);
 }
 
-TEST_F(SharpnessOf, FewMatchesTellNothing) {
+TEST_F(ChangeByBlur, FewMatchesTellNothing) {
   const Image<std::uint8_t> sharp = texture();
   matches_.resize(10);
   EXPECT_EQ(change(sharp, blurred(sharp, 1, 0, 3)), 0.0);
