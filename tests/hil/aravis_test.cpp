@@ -45,8 +45,33 @@ std::set<std::int64_t> sent_by_both(const std::string& log) {
   return both;
 }
 
-// Every exposure that both eyes sent must come as a pair, but for those that were sent while the machine stood still or
-// just before or after: a camera would not have waited, and its packets would not have come in a lump.
+struct Judged {
+  int exposures = 0;
+  int missing = 0;
+  std::size_t stalls = 0;
+};
+
+// Of the exposures that both eyes sent while `seen` was taken, but for those that were sent while the machine stood
+// still or just before or after: a camera would not have waited, and its packets would not have come in a lump.
+Judged judge(const Seen& seen, const std::string& log, const std::vector<test::StallWatch::Stall>& stalls,
+             std::int64_t period_us) {
+  const std::set<std::int64_t> taken(seen.stamps_us.begin(), seen.stamps_us.end());
+  const std::set<std::int64_t> sent = sent_by_both(log);
+  Judged out;
+  out.stalls = stalls.size();
+  for (auto s = sent.lower_bound(seen.stamps_us.front()); s != sent.upper_bound(seen.stamps_us.back()); ++s) {
+    const bool stalled = std::any_of(stalls.begin(), stalls.end(), [&](const test::StallWatch::Stall& stall) {
+      return *s > stall.begin_us - 3 * period_us && *s < stall.end_us + 8 * period_us;
+    });
+    if (stalled) continue;
+    ++out.exposures;
+    out.missing += taken.count(*s) == 0 ? 1 : 0;
+  }
+  return out;
+}
+
+// At most one in a thousand may be missing. One in a few hundred is no proof of more than that: then more are taken,
+// until a thousand have been judged.
 TEST(AravisHil, EveryPairIsATrueOneByteForByteAndHardlyAnyIsMissing) {
   CLIQUEVO_NEEDS_TWO_ADDRESSES();
   const Course course;
@@ -57,28 +82,25 @@ TEST(AravisHil, EveryPairIsATrueOneByteForByteAndHardlyAnyIsMissing) {
     const auto source = open(camera_options(course, rate_hz));
     ASSERT_NE(source, nullptr);
     EXPECT_EQ(take(*source, course, 60).wrong, 0);  // the start
-    test::StallWatch watch(std::min<std::int64_t>(4'000, period_us / 10));
-    const Seen seen = take(*source, course, rate_hz < 20.0 ? 100 : 300);
-    const std::vector<test::StallWatch::Stall> stalls = watch.stop();
-    EXPECT_EQ(seen.wrong, 0) << rate_hz << " Hz; " << source->status();
-    ASSERT_GE(seen.stamps_us.size(), 40U) << source->status();
-    const std::set<std::int64_t> taken(seen.stamps_us.begin(), seen.stamps_us.end());
-    int judged = 0;
-    int missing = 0;
-    const std::set<std::int64_t> sent = sent_by_both(log);
-    for (auto s = sent.lower_bound(seen.stamps_us.front()); s != sent.upper_bound(seen.stamps_us.back()); ++s) {
-      const bool stalled = std::any_of(stalls.begin(), stalls.end(), [&](const test::StallWatch::Stall& stall) {
-        return *s > stall.begin_us - 3 * period_us && *s < stall.end_us + 8 * period_us;
-      });
-      if (stalled) continue;
-      ++judged;
-      missing += taken.count(*s) == 0 ? 1 : 0;
+    Judged all;
+    for (int batch_index = 0; batch_index == 0 || (batch_index < 6 && all.missing == 1 && all.exposures < 1000);
+         ++batch_index) {
+      test::StallWatch watch(std::min<std::int64_t>(4'000, period_us / 10));
+      const Seen seen = take(*source, course, rate_hz < 20.0 ? 100 : 300);
+      const std::vector<test::StallWatch::Stall> stalls = watch.stop();
+      EXPECT_EQ(seen.wrong, 0) << rate_hz << " Hz; " << source->status();
+      ASSERT_GE(seen.stamps_us.size(), 40U) << source->status();
+      const Judged batch = judge(seen, log, stalls, period_us);
+      all.exposures += batch.exposures;
+      all.missing += batch.missing;
+      all.stalls += batch.stalls;
     }
-    EXPECT_LE(missing, judged / 1000) << rate_hz << " Hz, " << judged << " judged; " << source->status();
+    EXPECT_LE(all.missing, all.exposures / 1000)
+        << rate_hz << " Hz, " << all.exposures << " judged; " << source->status();
     std::printf(
         "%g Hz: %d of %d exposures that no stall was near to are "
         "missing (%zu stalls); %s\n",
-        rate_hz, missing, judged, stalls.size(), source->status().c_str());
+        rate_hz, all.missing, all.exposures, all.stalls, source->status().c_str());
   }
 }
 

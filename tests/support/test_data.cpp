@@ -11,8 +11,13 @@
 #if __has_feature(thread_sanitizer)
 #define CLIQUEVO_THREAD_SANITIZER
 #endif
+#if __has_feature(address_sanitizer)
+#define CLIQUEVO_ADDRESS_SANITIZER
+#endif
 #elif defined(__SANITIZE_THREAD__)
 #define CLIQUEVO_THREAD_SANITIZER
+#elif defined(__SANITIZE_ADDRESS__)
+#define CLIQUEVO_ADDRESS_SANITIZER
 #endif
 
 #ifdef CLIQUEVO_THREAD_SANITIZER
@@ -20,6 +25,12 @@
 // one thread.
 extern "C" __attribute__((weak, no_sanitize_thread)) const char* __tsan_default_suppressions();  // NOLINT
 extern "C" const char* __tsan_default_suppressions() { return "deadlock:libgdal\n"; }            // NOLINT
+#endif
+
+#ifdef CLIQUEVO_ADDRESS_SANITIZER
+// fontconfig, which finds the font of a chart, keeps what it has read until the process ends.
+extern "C" __attribute__((weak, no_sanitize_address)) const char* __lsan_default_suppressions();  // NOLINT
+extern "C" const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }           // NOLINT
 #endif
 
 namespace cliquevo::test {
