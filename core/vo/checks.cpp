@@ -16,6 +16,7 @@ constexpr double kOffsetNoise_px = 0.15;  // of one frame's reading of an error 
 constexpr double kMostRunning_px = 2.0;   // a larger one is the calibration's own, and is learned
 constexpr double kMoves = 6.0;            // a camera moves when its image does by so many expected errors, ...
 constexpr double kStands = 4.0;           // ... and stands beside it when its own moves so many times less
+constexpr double kRepeats = 100.0;        // ... and for certain where its image is the same to the last bit
 // Share of the reference's features that must be found where a motion has them; after a suspicious frame, more.
 constexpr double kFound = 0.08;
 constexpr double kFoundAgain = 0.25;
@@ -79,6 +80,7 @@ Evidence check_running_ground(const Findings& f, const CameraNoise& noise, const
 }
 
 Evidence check_hanging_camera(const Findings& f, const CameraNoise& noise, std::vector<float>& scratch) {
+  if (f.camera_repeats) return {kRepeats, kStands, true};
   const auto moved = [&](double share_of_disparity) {
     return median_of_inliers(f.observations, scratch, [&](const Observation& o) {
       const Eigen::Vector3d by = o.uvd_cur - o.uvd_ref;

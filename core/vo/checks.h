@@ -24,6 +24,8 @@ struct Findings {
   int reference_features = 0;   // that could have been found
   double shift_sigma_px = 0.0;  // width of the prior of the frame's common disparity error, as solved with
   double covered = 1.0;         // share of the picture from which inliers come, of what is enough; 0 to 1
+  bool camera_repeats = false;  // one image of either frame is the one before, bit for bit
+  bool speed_known = true;      // before the reference: what bends a rolling shutter's rows
 };
 
 // Enough inliers to fix a motion at all: their inverse share of the bound.
@@ -41,7 +43,8 @@ Evidence check_contradiction(const CellVotes& votes, const Caution& caution, con
 // the motion, and near and far ground ask for disparities that are news.
 Evidence check_running_ground(const Findings& findings, const CameraNoise& noise, const Caution& caution,
                               const VoParams& params, std::vector<float>& scratch);
-// A camera that repeats its last image moves in one image and stands in the other.
+// A camera that repeats its last image: the scene moves in one image and stands in the other. Certain where the image
+// is the one before, bit for bit.
 Evidence check_hanging_camera(const Findings& findings, const CameraNoise& noise, std::vector<float>& scratch);
 // After a suspicious frame: a good share of the reference's features must be found again.
 Evidence check_found_again(const Findings& findings, const Caution& caution);

@@ -276,8 +276,15 @@ ViewErrors Estimator::errors(const FramePair& pair, const Comparison& out) const
 }
 
 Findings Estimator::findings(const FramePair& pair, const Comparison& out) const {
-  return {out.motion,      observations_, references_, model_, static_cast<int>(pair.reference.features.size()),
-          shift_sigma_px_, covered_};
+  return {out.motion,
+          observations_,
+          references_,
+          model_,
+          static_cast<int>(pair.reference.features.size()),
+          shift_sigma_px_,
+          covered_,
+          pair.reference.one_camera_repeats || pair.current.one_camera_repeats,
+          !pair.reference.velocity_before.isZero()};
 }
 
 // A6, the rest: what the picture as a whole says of a motion on which the inliers agree, and how well it is known.
@@ -308,7 +315,7 @@ void Estimator::judge(const FramePair& pair, Comparison& out) {
   out.checks[Check::disparities] = check_disparities(found, pair.noise, params_);
   const Matrix6d covariance = uncertainty(found, references_.size() > 1, params_, pair.check, scratch_);
   out.checks[Check::uncertainty] = check_uncertainty(found, covariance, params_);
-  out.motion.covariance = covariance;
+  out.motion.covariance = speed_factor(found) * covariance;
   const int explained =
       other_finder_.find(pair.reference, pair.current, matches_, pairs_, out.motion, clique_finder_, solver_, others_);
   out.checks[Check::rival] = check_rival(explained);

@@ -29,6 +29,8 @@ struct Frame {
   Velocity velocity = Velocity::Zero();
   Velocity velocity_before = Velocity::Zero();
   Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();  // beside it, rad/s
+  // One camera's image is bit for bit the one before, the other's is not: no camera sees the same noise twice.
+  bool one_camera_repeats = false;
   double shift_px = 0.0;  // by which all its disparities were found too large, beside the calibration's error
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;

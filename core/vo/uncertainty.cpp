@@ -30,6 +30,9 @@ constexpr int kLeastParts = 6;       // with inliers: fewer do not scatter enoug
 // What bends rows otherwise than a steady turn does; makes the normalised error right on the simulator's rolling
 // cameras (12 to 20 without it).
 constexpr double kRollingFactor = 3.0;
+// Where no motion before the reference is known, its rows are straightened by the motion to be found alone: the
+// reference's own speed, and how it changed, are open (first frames, and the first after a gap).
+constexpr double kUnknownSpeedFactor = 3.0;
 constexpr double kHalfKnown = 1.0;  // ratio of the check on uncertainty at which the quality is 50
 
 double noise_factor(const Findings& f, bool beside_key, const VoParams& params) {
@@ -109,6 +112,8 @@ Matrix6d uncertainty(const Findings& f, bool beside_key, const VoParams& params,
   covariance += check.offset_variance_px2() * change * change.transpose();
   return covariance;
 }
+
+double speed_factor(const Findings& f) { return f.model.readout_s > 0.0 && !f.speed_known ? kUnknownSpeedFactor : 1.0; }
 
 Matrix6d with_error_taken_back(const Matrix6d& covariance, const Matrix6d& before) {
   const double excess = 1.0 - (covariance.diagonal().array() / before.diagonal().array()).mean();

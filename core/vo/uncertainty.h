@@ -15,6 +15,10 @@ namespace cliquevo::vo {
 Matrix6d uncertainty(const Findings& findings, bool beside_key, const VoParams& params, const SelfCheck& check,
                      std::vector<float>& scratch);
 
+// By which the covariance of a rolling shutter's motion is larger where no motion before its reference is known. Beside
+// the above, not in it: a first frame is no worse for it, only less certain, and refusing it leaves a longer gap to the
+// next one, which would be less certain still.
+double speed_factor(const Findings& findings);
 // Beside a kept reference the current frame may be better known than it was known where the previous one is: the
 // motion between them then takes back the previous frame's error, and its covariance has both. `before`: covariance of
 // the previous frame's motion, as a perturbation of this one's.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <span>
 #include <utility>
 #include <vector>
@@ -80,6 +81,17 @@ Result<void> VisualOdometry::Impl::check(const FrameInput& input) const {
   return {};
 }
 
+// Bit for bit. Images that differ mostly do so in their first row.
+bool same_image(const Image<std::uint8_t>& a, const Image<std::uint8_t>& b) {
+  if (a.width() != b.width() || a.height() != b.height()) return false;
+  const auto va = a.cview();
+  const auto vb = b.cview();
+  for (int y = 0; y < a.height(); ++y) {
+    if (std::memcmp(va.row(y), vb.row(y), static_cast<std::size_t>(a.width())) != 0) return false;
+  }
+  return true;
+}
+
 // Step A2: features of the new frame, their depth and descriptors.
 void VisualOdometry::Impl::load(const FrameInput& input) {
   current = frames.spare();
@@ -91,6 +103,8 @@ void VisualOdometry::Impl::load(const FrameInput& input) {
   current->turn_rate.setZero();
   current->left.copy_from(input.left);
   current->right.copy_from(input.right);
+  current->one_camera_repeats = frames.valid() != nullptr && same_image(current->left, frames.last().left) !=
+                                                                 same_image(current->right, frames.last().right);
   detector.detect(params.corner_image == CornerImage::filtered ? input.filtered_left : input.left, input.disparity,
                   mask.cview(), self_check.disparity_error_px(model.cx_px, model.cy_px), current->features);
   current->descriptors.extract(input.filtered_left, current->features, params.descriptor_window);

@@ -50,6 +50,28 @@ CameraNoise rough(double scatter_px) {
   return noise;
 }
 
+TEST(Checks, AnImageThatRepeatsItselfBitForBitFailsHoweverLittleMoved) {
+  Seen seen;
+  Findings findings = seen.findings();
+  EXPECT_FALSE(check_hanging_camera(findings, seen.noise, seen.scratch).fails());
+  findings.camera_repeats = true;
+  EXPECT_TRUE(check_hanging_camera(findings, seen.noise, seen.scratch).fails());
+}
+
+TEST(Uncertainty, OfARollingShutterIsLargerWhereTheSpeedBeforeIsNotKnown) {
+  Seen seen;
+  StereoModel rolling = kModel;
+  rolling.readout_s = 0.02;
+  const auto factor = [&](const StereoModel& model, bool known) {
+    Findings findings{seen.motion, seen.observations, seen.references, model, 100};
+    findings.speed_known = known;
+    return speed_factor(findings);
+  };
+  EXPECT_GT(factor(rolling, false), 2.0);
+  EXPECT_EQ(factor(rolling, true), 1.0);
+  EXPECT_EQ(factor(kModel, false), 1.0) << "all rows at once";
+}
+
 TEST(Checks, TooFewInliersFail) {
   Seen seen;
   EXPECT_FALSE(check_inliers(seen.findings(), seen.params).fails());
