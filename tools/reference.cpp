@@ -75,12 +75,65 @@ Result<RigidTransform> rectified_camera_on_body(const std::string& path, const S
   return T_body_sensor.inverse() * *T_body_camera * T_camera_rectified;
 }
 
+// The numbers after `key` in one of KITTI-360's calibration files.
+std::optional<std::vector<double>> numbers_after(const fs::path& file, const std::string& key, std::size_t count) {
+  constexpr std::size_t kLongestLine = 4096;
+  std::ifstream in(file);
+  std::string line;
+  while (std::getline(in, line) && line.size() < kLongestLine) {
+    if (line.rfind(key, 0) != 0) continue;
+    std::istringstream words(line.substr(key.size()));
+    std::vector<double> out(count);
+    for (double& value : out) {
+      if (!(words >> value) || !(std::abs(value) < 1e4)) return std::nullopt;
+    }
+    return out;
+  }
+  return std::nullopt;
+}
+
+bool is_rotation(const Eigen::Matrix3d& R) {
+  return (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
+}
+
+// KITTI-360: from the rectified left camera to the navigation unit, whose poses poses.txt holds. The data set's own
+// chain: camera to unit (calib_cam_to_pose.txt) times the inverse of the rectifying rotation (perspective.txt).
+Result<RigidTransform> rectified_camera_on_vehicle(const std::string& path) {
+  std::error_code ec;
+  const fs::path drive = fs::weakly_canonical(path, ec).parent_path();
+  fs::path folder = drive;
+  if (!fs::is_regular_file(folder / "calib_cam_to_pose.txt", ec)) {
+    folder = drive.parent_path().parent_path() / "calibration";
+  }
+  if (!fs::is_regular_file(folder / "calib_cam_to_pose.txt", ec)) {
+    return Error{"the reference is of the vehicle, and where its camera is mounted is not known", path,
+                 "put KITTI-360's calib_cam_to_pose.txt and perspective.txt beside it, or give cam0_to_world.txt"};
+  }
+  const auto mounting = numbers_after(folder / "calib_cam_to_pose.txt", "image_00:", 12);
+  const auto rectifying = numbers_after(folder / "perspective.txt", "R_rect_00:", 9);
+  RigidTransform T_vehicle_camera;
+  Eigen::Matrix3d R_rect = Eigen::Matrix3d::Zero();
+  if (mounting && rectifying) {
+    const Eigen::Matrix<double, 3, 4> T =
+        Eigen::Map<const Eigen::Matrix<double, 3, 4, Eigen::RowMajor>>(mounting->data());
+    T_vehicle_camera = {T.leftCols<3>(), T.col(3)};
+    R_rect = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rectifying->data());
+  }
+  if (!is_rotation(T_vehicle_camera.R) || !is_rotation(R_rect)) {
+    return Error{
+        "cannot read where the camera is mounted", folder.string(),
+        "image_00 in calib_cam_to_pose.txt is a rotation and translation, R_rect_00 in perspective.txt a rotation"};
+  }
+  return T_vehicle_camera * RigidTransform{R_rect.transpose(), Eigen::Vector3d::Zero()};
+}
+
 }  // namespace
 
 Result<daemon::Trajectory> read_reference(const std::string& path, const StereoCalibration* calibration) {
   auto trajectory = daemon::read_trajectory(path);
   if (!trajectory || !trajectory->of_body) return trajectory;
-  const auto T_body_camera = rectified_camera_on_body(path, calibration);
+  const auto T_body_camera =
+      trajectory->numbered ? rectified_camera_on_vehicle(path) : rectified_camera_on_body(path, calibration);
   if (!T_body_camera) return T_body_camera.error();
   for (daemon::StampedPose& pose : trajectory->poses) pose.T_world_camera = pose.T_world_camera * *T_body_camera;
   return trajectory;
@@ -94,8 +147,11 @@ std::string reference_beside(const std::string& recording) {
   }
   // KITTI-360: data_2d_raw/DRIVE and data_poses/DRIVE.
   const fs::path drive = fs::weakly_canonical(recording, ignored);
-  const fs::path poses = drive.parent_path().parent_path() / "data_poses" / drive.filename() / "cam0_to_world.txt";
-  return fs::is_regular_file(poses, ignored) ? poses.string() : "";
+  const fs::path poses = drive.parent_path().parent_path() / "data_poses" / drive.filename();
+  for (const char* name : {"cam0_to_world.txt", "poses.txt"}) {
+    if (fs::is_regular_file(poses / name, ignored)) return (poses / name).string();
+  }
+  return "";
 }
 
 namespace {

@@ -20,6 +20,7 @@ namespace {
 constexpr std::int64_t kNsPerSecond = 1'000'000'000;
 constexpr std::size_t kKittiNumbers = 12;
 constexpr std::size_t kTumNumbers = 8;
+constexpr std::size_t kKitti360BodyNumbers = 13;  // number of the frame, 3x4 pose of the vehicle's navigation unit
 constexpr std::size_t kEurocNumbers = 17;  // ns, position, quaternion (w first), velocity, biases; KITTI-360: see below
 constexpr double kMostMetres = 1e8;        // what is further away is no vehicle
 constexpr double kMostSeconds = 4.6e9;     // the difference of two stamps must fit into 64 bits of ns
@@ -135,7 +136,7 @@ Result<StampedPose> parse_euroc(const std::vector<std::string_view>& words, cons
   return pose;
 }
 
-// KITTI-360: the number of the frame, then the pose as 4x4 matrix.
+// KITTI-360: the number of the frame, then the pose as 4x4 (camera) or 3x4 (body) matrix.
 Result<StampedPose> parse_kitti360(const std::vector<std::string_view>& words, const std::string& path, int line) {
   const std::string_view number = words[0];
   StampedPose pose;
@@ -149,7 +150,7 @@ Result<StampedPose> parse_kitti360(const std::vector<std::string_view>& words, c
   return pose;
 }
 
-enum class RowKind { none, kitti, tum, euroc, kitti360 };
+enum class RowKind { none, kitti, tum, euroc, kitti360, kitti360_body };
 
 // By the count of numbers; the two kinds with 17 and EuRoC's short one by what is in them.
 RowKind kind_of(const std::vector<std::string_view>& words, bool commas) {
@@ -159,6 +160,7 @@ RowKind kind_of(const std::vector<std::string_view>& words, bool commas) {
   };
   if (words.size() == kKittiNumbers) return RowKind::kitti;
   if (words.size() == kTumNumbers) return commas && is_ns() ? RowKind::euroc : RowKind::tum;
+  if (words.size() == kKitti360BodyNumbers) return RowKind::kitti360_body;
   if (words.size() != kEurocNumbers) return RowKind::none;
   double last = 0.0;
   return !is_ns() && parse_number(words[16], last) && last == 1.0 ? RowKind::kitti360 : RowKind::euroc;
@@ -270,7 +272,7 @@ Result<Trajectory> read_trajectory(const std::string& path) {
     if (here == RowKind::none) {
       return bad_line(path, line,
                       fmt::format("{} words where a pose has 12 numbers (KITTI), 8 (TUM) or 17 (EuRoC, KITTI-360's "
-                                  "cam0_to_world.txt)",
+                                  "cam0_to_world.txt; 13 in its poses.txt)",
                                   words.size()));
     }
     if (kind == RowKind::none) kind = here;
@@ -284,15 +286,15 @@ Result<Trajectory> read_trajectory(const std::string& path) {
     if (!out.poses.empty()) {
       const StampedPose& last = out.poses.back();
       if (pose->stamp_ns < last.stamp_ns) return bad_line(path, line, "times must not fall: sort the file by time");
-      if (kind == RowKind::kitti360 && pose->frame <= last.frame) {
+      if (pose->frame >= 0 && pose->frame <= last.frame) {
         return bad_line(path, line, "frames must rise: sort the file");
       }
     }
     out.poses.push_back(*pose);
   }
   out.format = kind == RowKind::tum || kind == RowKind::euroc ? TrajectoryFormat::tum : TrajectoryFormat::kitti;
-  out.numbered = kind == RowKind::kitti360;
-  out.of_body = kind == RowKind::euroc;
+  out.numbered = kind == RowKind::kitti360 || kind == RowKind::kitti360_body;
+  out.of_body = kind == RowKind::euroc || kind == RowKind::kitti360_body;
   if (in.bad()) return Error{"cannot read trajectory", path, "is it a file?"};
   if (out.poses.empty()) return Error{"cannot read trajectory", path, "the file holds no pose"};
   return out;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Trajectories as text: KITTI (a line a pose, 12 numbers, the rows of [R t]) and TUM (seconds tx ty tz qx qy qz qw). As
-// references also EuRoC's ground truth (data.csv: ns, position, quaternion with w first, ...) and KITTI-360's
-// cam0_to_world.txt (number of the frame, 16 numbers).
+// references also EuRoC's ground truth (data.csv: ns, position, quaternion with w first, ...), KITTI-360's
+// cam0_to_world.txt (number of the frame, 16 numbers) and its poses.txt (number of the frame, 12 numbers).
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,7 @@ struct Trajectory {
   TrajectoryFormat format = TrajectoryFormat::kitti;
   std::vector<StampedPose> poses;
   bool numbered = false;  // poses belong to the frames of these numbers, not to lines (KITTI-360)
-  bool of_body = false;   // they are of another sensor's frame than the camera's (EuRoC's ground truth)
+  bool of_body = false;   // they are of another sensor's frame than the camera's (EuRoC's ground truth, KITTI-360's poses.txt)
 };
 
 // One line of such a file, without its end. Same pose, same bytes; 13 significant digits.

@@ -105,5 +105,38 @@ TEST(Reference, Kitti360sPosesAreFoundBesideTheRawDataAndMatchedByNumber) {
   EXPECT_FALSE(reference_from_file(poses, frames, info).ok());
 }
 
+// The camera looks along the vehicle's x, 1.5 m before its navigation unit; R_rect_00 turns it a little.
+TEST(Reference, Kitti360sVehiclePosesBecomeTheRectifiedCameras) {
+  const std::string root = test::scratch_dir();
+  const std::string poses = test::write_file(root + "/data_poses/drive/poses.txt",
+                                             "7 1 0 0 10 0 1 0 20 0 0 1 0\n"
+                                             "8 0 -1 0 11 1 0 0 20 0 0 1 0\n");
+  auto reference = read_reference(poses);
+  ASSERT_FALSE(reference.ok());
+  test::expect_clear(reference.error(), {"poses.txt", "calib_cam_to_pose.txt", "cam0_to_world.txt"});
+
+  test::write_file(root + "/calibration/calib_cam_to_pose.txt",
+                   "image_00: 0 0 1 1.5 -1 0 0 0 0 -1 0 0\nimage_01: 0 0 1 1.5 -1 0 0 0.6 0 -1 0 0\n");
+  test::write_file(root + "/calibration/perspective.txt", "R_rect_00: 0.9999995 0 0.001 0 1 0 -0.001 0 0.9999995\n");
+  reference = read_reference(poses);
+  ASSERT_TRUE(reference.ok()) << reference.error().line();
+  ASSERT_EQ(reference->poses.size(), 2U);
+  EXPECT_TRUE(reference->numbered);
+  EXPECT_EQ(reference->poses[0].frame, 7);
+  const RigidTransform& first = reference->poses[0].T_world_camera;
+  EXPECT_NEAR((first.t - Eigen::Vector3d(11.5, 20.0, 0.0)).norm(), 0.0, 1e-9);
+  // Its optical axis: z of the rectified camera, in the unrectified one's axes the last row of R_rect.
+  EXPECT_NEAR((first.R.col(2) - Eigen::Vector3d(0.9999995, 0.001, 0.0)).norm(), 0.0, 1e-9);
+  // The vehicle has turned to the left: the camera is mounted before it.
+  EXPECT_NEAR((reference->poses[1].T_world_camera.t - Eigen::Vector3d(11.0, 21.5, 0.0)).norm(), 0.0, 1e-9);
+  fs::create_directories(root + "/data_2d_raw/drive");
+  EXPECT_EQ(reference_beside(root + "/data_2d_raw/drive"), poses);
+
+  test::write_file(root + "/calibration/perspective.txt", "R_rect_00: 1 0 0 0 1 0 0 0 nan\n");
+  reference = read_reference(poses);
+  ASSERT_FALSE(reference.ok());
+  test::expect_clear(reference.error(), {"calibration", "R_rect_00"});
+}
+
 }  // namespace
 }  // namespace cliquevo::tools
