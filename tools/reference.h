@@ -12,7 +12,7 @@ namespace cliquevo::tools {
 
 // A trajectory file that is held to be true, as poses of the rectified left camera. EuRoC's ground truth is of the
 // body: where the camera sits is read from cam0/sensor.yaml beside its folder, and how it is turned by rectification
-// from `calibration` where given, else from the sensor.yaml of both eyes.
+// from `calibration` where given, else from the sensor.yaml of both cameras.
 Result<daemon::Trajectory> read_reference(const std::string& path, const StereoCalibration* calibration = nullptr);
 
 // A file that recordings bring along as their reference (poses.txt, groundtruth.tum, EuRoC's ground truth, KITTI-360's
