@@ -16,7 +16,7 @@ namespace cliquevo::drivers {
 
 struct StereoPair {
   std::int64_t index = 0;    // position in the source; rises strictly
-  TimestampNs stamp_ns = 0;  // exposure (the left eye's where the eyes differ)
+  TimestampNs stamp_ns = 0;  // exposure (the left camera's where the cameras differ)
   Image<std::uint8_t> left;  // grey, as grabbed
   Image<std::uint8_t> right;
   std::int64_t right_offset_ns = 0;                    // right exposure - left exposure, where known
@@ -46,7 +46,7 @@ class FrameSource {
   virtual Result<bool> next(StereoPair& pair) = 0;
   // Any thread: a next() that waits for frames, and every later one, returns false soon.
   virtual void interrupt() {}
-  // Any thread: one line on how a live source gets on ("left eye lost: reconnecting"); empty = nothing to tell.
+  // Any thread: one line on how a live source gets on ("left camera lost: reconnecting"); empty = nothing to tell.
   virtual std::string status() const { return ""; }
   // Any thread: one line on what the images show to be wrong with the source (left and right exchanged), for the user
   // to put right; empty = nothing.

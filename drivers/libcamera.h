@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stereo pairs through libcamera: two cameras, or one that delivers both eyes.
+// Stereo pairs through libcamera: two cameras, or one that delivers both images.
 #pragma once
 
 #include <memory>

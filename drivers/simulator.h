@@ -23,7 +23,7 @@ struct SimulatorOptions {
   double pitch_deg = -13.0;  // negative looks down
   bool raw = false;          // distorted, misaligned pair as grabbed, with its calibration
   double misalign_right_deg[3] = {0.0, 0.0,
-                                  0.0};  // error of the right eye that the calibration does not know, about x y z
+                                  0.0};  // error of the right camera that the calibration does not know, about x y z
   // course
   std::string course = "wheeled";  // wheeled, walking, standing, straight, turn (pure rotation)
   std::int64_t frames = 200;
@@ -39,7 +39,7 @@ struct SimulatorOptions {
   bool railings = false;          // even bars on the left of the way, without end
   bool walls = false;             // a brick wall on its right
   bool glass = false;             // panes there, which mirror something far away; the truth is the pane
-  // what goes wrong: none, blank, noise (both images), frozen (right eye), covered (left eye), flare, night
+  // what goes wrong: none, blank, noise (both images), frozen (right camera), covered (left camera), flare, night
   std::string fault = "none";
   std::int64_t fault_first = 0;    // frame of the render
   std::int64_t fault_frames = -1;  // how many, -1 = to the end

@@ -254,8 +254,8 @@ Result<RowEvidence> measure_rows(const StereoCalibration& calibration, View left
   Image<std::uint8_t> l;
   Image<std::uint8_t> r;
   for (Image<std::uint8_t>* image : {&l, &r}) image->resize(rectifier->model().width, rectifier->model().height);
-  if (auto ok = rectifier->rectify(Eye::left, left, l.view()); !ok) return ok.error();
-  if (auto ok = rectifier->rectify(Eye::right, right, r.view()); !ok) return ok.error();
+  if (auto ok = rectifier->rectify(CameraSide::left, left, l.view()); !ok) return ok.error();
+  if (auto ok = rectifier->rectify(CameraSide::right, right, r.view()); !ok) return ok.error();
   return measure_rows(l.cview(), r.cview());
 }
 

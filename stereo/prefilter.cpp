@@ -30,7 +30,7 @@ kernels::Curve matching_curve(const StereoParams& params) {
   const int range = range_of(params);
   if (params.prefilter == Prefilter::gradients) {
     // About range * v / (v + 20): twice the noise of a usual camera comes to half the range, and the gradients of
-    // strong edges, which differ most between the eyes, do not drown all else.
+    // strong edges, which differ most between the cameras, do not drown all else.
     return {{12, 40, 160}, {slope(range * 0.0365), slope(range * 0.0121), slope(range * 0.00232)}, range};
   }
   const int cap = params.prefilter_cap;

@@ -65,19 +65,19 @@ double central_scale(const CameraCalibration& c) {
   return through_sphere ? 1.0 / (1.0 + c.coefficients[0]) : 1.0;
 }
 
-// Both eyes and how they are turned; answers how much of a pinhole image they fill.
+// Both cameras and how they are turned; answers how much of a pinhole image they fill.
 struct Pair {
   CameraProjection left, right;
   const StereoCalibration& calibration;
   Eigen::Matrix3d R_left, R_right;
 
-  bool sees(const CameraProjection& eye, const CameraCalibration& camera, const Eigen::Matrix3d& R, double x,
+  bool sees(const CameraProjection& projection, const CameraCalibration& camera, const Eigen::Matrix3d& R, double x,
             double y) const {
-    const auto p = eye.project(R.transpose() * Eigen::Vector3d(x, y, 1.0));
+    const auto p = projection.project(R.transpose() * Eigen::Vector3d(x, y, 1.0));
     // A tenth of a pixel inside: the outline is only sampled.
     return p && p->x() >= 0.1 && p->y() >= 0.1 && p->x() <= camera.width - 1.1 && p->y() <= camera.height - 1.1;
   }
-  // The outline of an image of this focal length about (x0, y0), seen by both eyes all along.
+  // The outline of an image of this focal length about (x0, y0), seen by both cameras all along.
   bool filled(double f, double x0, double y0) const {
     const double half_width = 0.5 * (calibration.left.width - 1) / f;
     const double half_height = 0.5 * (calibration.left.height - 1) / f;
@@ -148,13 +148,13 @@ double fit_focal_length(const Pair& pair, const StereoCalibration& calibration, 
 Result<PrescribedRectification> own_rectification(const StereoCalibration& calibration) {
   const RigidTransform& T = calibration.T_right_left;
   const Eigen::Vector3d turn = so3_log(T.R);
-  if (turn.norm() > M_PI / 3.0) return bad(calibration, "the eyes look different ways (more than 60 degrees apart)");
+  if (turn.norm() > M_PI / 3.0) return bad(calibration, "the cameras look different ways (more than 60 degrees apart)");
   const Eigen::Matrix3d half = so3_exp(0.5 * turn);
-  // The right eye's place in the frame half-way between both eyes.
+  // The right camera's place in the frame half-way between both cameras.
   const Eigen::Vector3d baseline = -(half.transpose() * T.t);
   const Eigen::Vector3d e = baseline.normalized();
-  if (e.x() < 0.0) return bad(calibration, "the right eye is left of the left one (are the eyes swapped?)");
-  if (e.x() < 0.7) return bad(calibration, "the eyes are not side by side");
+  if (e.x() < 0.0) return bad(calibration, "the right camera is left of the left one (are the cameras swapped?)");
+  if (e.x() < 0.7) return bad(calibration, "the cameras are not side by side");
   const Eigen::Matrix3d R_level = turn_to_x(e);
 
   PrescribedRectification out;
@@ -170,7 +170,7 @@ Result<PrescribedRectification> own_rectification(const StereoCalibration& calib
   if (!middle_left || !middle_right) return bad(calibration, "the distortion leaves the middle of the image unseen");
   const Eigen::Vector3d m_left = out.R_left * *middle_left;
   const Eigen::Vector3d m_right = out.R_right * *middle_right;
-  if (m_left.z() < 0.2 || m_right.z() < 0.2) return bad(calibration, "an eye looks along the baseline");
+  if (m_left.z() < 0.2 || m_right.z() < 0.2) return bad(calibration, "a camera looks along the baseline");
   Eigen::Vector2d middle = 0.5 * (m_left.head<2>() / m_left.z() + m_right.head<2>() / m_right.z());
 
   const double f = fit_focal_length(pair, calibration, middle);
@@ -203,8 +203,8 @@ Result<PrescribedRectification> native_rectification(const StereoCalibration& ca
     return given;
   }
   const RigidTransform& T = calibration.T_right_left;
-  if (!is_rotation(T.R)) return bad(calibration, "the rotation between the eyes is none");
-  if (!T.t.allFinite() || T.t.norm() < 1e-6) return bad(calibration, "no baseline between the eyes");
+  if (!is_rotation(T.R)) return bad(calibration, "the rotation between the cameras is none");
+  if (!T.t.allFinite() || T.t.norm() < 1e-6) return bad(calibration, "no baseline between the cameras");
   auto out = own_rectification(calibration);
   if (!out) return out;
   if (auto ok = out->model.check(); !ok) return ok.error();

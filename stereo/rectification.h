@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which way both eyes are turned, and the pinhole pair they become.
+// Which way both cameras are turned, and the pinhole pair they become.
 #pragma once
 
 #include "core/base/camera_model.h"
@@ -8,7 +8,7 @@
 
 namespace cliquevo::stereo {
 
-// The prescribed rectification where the calibration has one, checked; otherwise one of our own. Both eyes are turned
+// The prescribed rectification where the calibration has one, checked; otherwise one of our own. Both are turned
 // by half of the rotation between them and then together until the baseline is the X axis (Bouguet's way; Fusiello et
 // al. 2000 for the construction). The pinhole pair has the left image's size, equal principal points and, as far as the
 // pixels' size allows (3/4 to 3/2 of the raw one), the shortest focal length that leaves no border without a source and

@@ -120,7 +120,7 @@ void find_patch(Map& map, std::size_t first, RemapRow::Patch& patch) {
   }
 }
 
-// Where each pixel of the rectified eye comes from; the share of pixels that have a source.
+// Where each pixel of the rectified image comes from; the share of pixels that have a source.
 double fill_map(const CameraCalibration& camera, const Eigen::Matrix3d& R, const StereoModel& model, double cx_px,
                 Map& map) {
   const CameraProjection projection(camera);
@@ -182,7 +182,7 @@ struct Rectifier::Impl {
   mutable std::vector<Image<std::uint8_t>> left_halves, right_halves;
   const kernels::Table& kernel = kernels::active();
 
-  const Map& map(Eye eye) const { return eye == Eye::left ? left : right; }
+  const Map& map(CameraSide side) const { return side == CameraSide::left ? left : right; }
   void prepare(const CameraCalibration& l, const CameraCalibration& r) {
     left_width = l.width;
     left_height = l.height;
@@ -198,21 +198,22 @@ struct Rectifier::Impl {
   }
   // What the map resamples.
   template <typename Halve>
-  ImageView<const std::uint8_t> source(Eye eye, ImageView<const std::uint8_t> raw, const Halve& halve_once) const {
-    for (Image<std::uint8_t>& half : eye == Eye::left ? left_halves : right_halves) {
+  ImageView<const std::uint8_t> source(CameraSide side, ImageView<const std::uint8_t> raw,
+                                       const Halve& halve_once) const {
+    for (Image<std::uint8_t>& half : side == CameraSide::left ? left_halves : right_halves) {
       halve_once(raw, half.view());
       raw = half.cview();
     }
     return raw;
   }
-  Result<void> check(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
+  Result<void> check(CameraSide side, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
     const auto wrong = [](const char* where, int w, int h, int want_w, int want_h) {
       return Error{"cannot rectify", where,
                    "give an image of " + std::to_string(want_w) + "x" + std::to_string(want_h) + " px, not " +
                        std::to_string(w) + "x" + std::to_string(h)};
     };
-    const int raw_width = identity ? model.width : eye == Eye::left ? left_width : right_width;
-    const int raw_height = identity ? model.height : eye == Eye::left ? left_height : right_height;
+    const int raw_width = identity ? model.width : side == CameraSide::left ? left_width : right_width;
+    const int raw_height = identity ? model.height : side == CameraSide::left ? left_height : right_height;
     if (raw.empty() || !raw.same_size(raw_width, raw_height) || raw.stride < raw.width) {
       return wrong("raw image", raw.width, raw.height, raw_width, raw_height);
     }
@@ -263,26 +264,27 @@ Result<Rectifier> Rectifier::make(const StereoCalibration& calibration, const Re
   return Rectifier(std::move(impl));
 }
 
-Result<void> Rectifier::rectify(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
-  if (auto ok = impl_->check(eye, raw, out); !ok) return ok;
+Result<void> Rectifier::rectify(CameraSide side, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
+  if (auto ok = impl_->check(side, raw, out); !ok) return ok;
   if (impl_->identity) {
     for (int y = 0; y < out.height; ++y) std::memcpy(out.row(y), raw.row(y), static_cast<std::size_t>(out.width));
     return {};
   }
-  const Map& map = impl_->map(eye);
-  const ImageView<const std::uint8_t> from = impl_->source(eye, raw, halve);
+  const Map& map = impl_->map(side);
+  const ImageView<const std::uint8_t> from = impl_->source(side, raw, halve);
   for (int y = 0; y < out.height; ++y) {
     impl_->kernel.remap_row(from.data, from.stride, map.row(y), out.width, out.row(y));
   }
   return {};
 }
 
-Result<void> Rectifier::rectify_mask(Eye eye, ImageView<const std::uint8_t> raw, ImageView<std::uint8_t> out) const {
-  if (auto ok = impl_->check(eye, raw, out); !ok) return ok;
-  if (impl_->identity) return rectify(eye, raw, out);
-  const ImageView<const std::uint8_t> from = impl_->source(eye, raw, halve_mask);
+Result<void> Rectifier::rectify_mask(CameraSide side, ImageView<const std::uint8_t> raw,
+                                     ImageView<std::uint8_t> out) const {
+  if (auto ok = impl_->check(side, raw, out); !ok) return ok;
+  if (impl_->identity) return rectify(side, raw, out);
+  const ImageView<const std::uint8_t> from = impl_->source(side, raw, halve_mask);
   for (int y = 0; y < out.height; ++y) {
-    const RemapRow map = impl_->map(eye).row(y);
+    const RemapRow map = impl_->map(side).row(y);
     for (int x = 0; x < out.width; ++x) {
       const bool seen = map.x[x] >= 0;
       out(x, y) =

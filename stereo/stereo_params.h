@@ -5,8 +5,8 @@
 
 namespace cliquevo::stereo {
 
-// What is compared between the eyes. none: grey values. xsobel: the horizontal gradient, clipped. gradients: horizontal
-// and vertical gradients, taking turns like the squares of a chessboard, through a curve that keeps weak ones.
+// What is compared between left and right. none: grey values. xsobel: the horizontal gradient, clipped. gradients:
+// horizontal and vertical gradients alternating like the squares of a chessboard, through a curve that keeps weak ones.
 enum class Prefilter { none, xsobel, gradients };
 
 // Everything that steers the dense stereo stage. Defaults are the shipped ones, chosen in stereo/README.md.

@@ -64,7 +64,7 @@ CameraRun::Verdict CameraRun::judge() const {
     out.complaints.push_back(fmt::format("{} of {} exposures gave no pair", out.skipped, steps));
   }
   if (out.most_skew > kMostSkew) {
-    out.complaints.push_back(fmt::format("eyes up to {:.2f} periods apart", out.most_skew));
+    out.complaints.push_back(fmt::format("cameras up to {:.2f} periods apart", out.most_skew));
   }
   return out;
 }
@@ -76,7 +76,7 @@ std::string CameraRun::histograms() const {
     jitters.push_back(std::abs(dt - std::max(1.0, std::round(dt))));
   }
   return histogram("|dt - period|", jitters, period_ns_ * 1e-6) +
-         histogram("right eye - left eye", skews_, period_ns_ * 1e-6);
+         histogram("right camera - left camera", skews_, period_ns_ * 1e-6);
 }
 
 }  // namespace cliquevo::tools

@@ -22,7 +22,7 @@ class CameraRun {
     double rate_hz = 0.0;                 // without what was skipped
     std::int64_t skipped = 0;             // exposures between the first and the last pair that gave none
     double most_jitter = 0.0;             // |dt - period|, periods, skips left out
-    double most_skew = 0.0;               // between the eyes, periods
+    double most_skew = 0.0;               // between the cameras, periods
     double most_delay_ms = 0.0;           // exposure to arrival
     std::vector<std::string> complaints;  // empty: passed
   };

@@ -45,7 +45,7 @@ int list() {
   for (std::size_t i = 0; i + 1 < seen.size(); ++i) {
     if (seen[i].family != seen[i + 1].family || (i > 0 && seen[i].family == seen[i - 1].family)) continue;
     fmt::print(
-        "\n# The first two of {} as a pair; swap them if the eyes are crossed, and name the calibration:\n"
+        "\n# The first two of {} as a pair; exchange them if left and right are crossed, and name the calibration:\n"
         "source:\n  type: {}\n  cameras:\n    left: \"{}\"\n    right: \"{}\"\n    calibration: \"\"\n",
         seen[i].family, seen[i].family, printable(seen[i].id), printable(seen[i + 1].id));
   }
@@ -106,7 +106,7 @@ bool stream_once(drivers::FrameSource& source, const daemon::SourceConfig& confi
   }
   const CameraRun::Verdict verdict = run.judge();
   fmt::print(
-      "start {}: {} pairs, {:.3f} Hz, {} skipped, jitter up to {:.3f} periods, eyes up to {:.3f} periods apart, "
+      "start {}: {} pairs, {:.3f} Hz, {} skipped, jitter up to {:.3f} periods, cameras up to {:.3f} periods apart, "
       "arrival up to {:.1f} ms after the exposure\n  {}\n  {}\n{}",
       number, run.pairs(), verdict.rate_hz, verdict.skipped, verdict.most_jitter, verdict.most_skew,
       verdict.most_delay_ms, source.status(), source.queues(), run.histograms());
@@ -135,11 +135,12 @@ bool unplug_once(const daemon::SourceConfig& config) {
   while (monotonic_ns() < give_up_ns && !back) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     const std::string status = (*source)->status();
-    const bool eye_lost = status.find("lost") != std::string::npos || status.find("reconnecting") != std::string::npos;
-    if (eye_lost && !lost) fmt::print("  {}\n", printable(status)), std::fflush(stdout);
-    lost = lost || eye_lost;
+    const bool camera_lost =
+        status.find("lost") != std::string::npos || status.find("reconnecting") != std::string::npos;
+    if (camera_lost && !lost) fmt::print("  {}\n", printable(status)), std::fflush(stdout);
+    lost = lost || camera_lost;
     const std::int64_t before = pairs;
-    if (lost && !eye_lost) {
+    if (lost && !camera_lost) {
       std::this_thread::sleep_for(std::chrono::seconds(1));
       back = pairs > before;
     }
@@ -189,7 +190,7 @@ void add_cameras_command(CLI::App& app, int& exit_code) {
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
   tests->footer(
-      "Passes when each run's rate is within 5 %, at most 1 % of the exposures gave no pair and the eyes expose "
+      "Passes when each run's rate is within 5 %, at most 1 % of the exposures gave no pair and the cameras expose "
       "within\n"
       "a quarter period. Exit codes: 0 passed; 1 bad input or environment; 2 wrong usage; 3 failed.");
   cameras->footer("Printed with each: what source.cameras.left and right take (config/cliquevo.yaml).");

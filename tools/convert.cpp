@@ -64,8 +64,8 @@ class FolderTarget final : public Target {
     const StereoModel& model = rectifier_->model();
     left_.resize(model.width, model.height);
     right_.resize(model.width, model.height);
-    if (auto ok = rectifier_->rectify(stereo::Eye::left, pair.left.cview(), left_.view()); !ok) return ok;
-    if (auto ok = rectifier_->rectify(stereo::Eye::right, pair.right.cview(), right_.view()); !ok) return ok;
+    if (auto ok = rectifier_->rectify(stereo::CameraSide::left, pair.left.cview(), left_.view()); !ok) return ok;
+    if (auto ok = rectifier_->rectify(stereo::CameraSide::right, pair.right.cview(), right_.view()); !ok) return ok;
     return folder_.add(left_.cview(), right_.cview(), pair.stamp_ns);
   }
   Result<void> finish() override { return folder_.finish(); }
@@ -184,7 +184,7 @@ void add_convert_command(CLI::App& app, int& exit_code) {
           "Pairs a second, whatever times are there")
       ->check(CLI::PositiveNumber)
       ->type_name("HZ");
-  add_eye_options(*convert, arguments->source);
+  add_recording_options(*convert, arguments->source);
   convert->footer(
       "Pixels and stamps are kept as they are, but for kitti, which is rectified on the way where it must be.\n"
       "Examples:\n"

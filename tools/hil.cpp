@@ -64,7 +64,7 @@ int run(HilArguments arguments) {
     since_ns = monotonic_ns();
   }
   const HilCounts counts = cameras->counts();
-  fmt::print("sent {} frames of the left eye, {} of the right\n", counts.left, counts.right);
+  fmt::print("sent {} frames of the left camera, {} of the right\n", counts.left, counts.right);
   return kDone;
 }
 
@@ -104,13 +104,14 @@ void add_hil_command(CLI::App& app, int& exit_code) {
   hil->add_option("--loss", options.loss, "Share of the packets that get lost")
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("SHARE");
-  hil->add_option("--drop-every", options.drop_every, "Leave out every N-th frame of the right eye")
+  hil->add_option("--drop-every", options.drop_every, "Leave out every N-th frame of the right camera")
       ->check(CLI::NonNegativeNumber)
       ->type_name("N");
-  hil->add_option("--swap-every", options.swap_every, "Send every N-th frame of the right eye before the one before it")
+  hil->add_option("--swap-every", options.swap_every,
+                  "Send every N-th frame of the right camera before its predecessor")
       ->check(CLI::NonNegativeNumber)
       ->type_name("N");
-  hil->add_option("--right-late", options.right_late_s, "Send the right eye's frames late, s")
+  hil->add_option("--right-late", options.right_late_s, "Send the right camera's frames late, s")
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("S");
   hil->add_option("--log", options.log, "Write a line for each frame sent: stamp in us, L or R, number of the pair")
@@ -122,7 +123,7 @@ void add_hil_command(CLI::App& app, int& exit_code) {
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
   hil->footer(
-      "Frame 0 waits until both eyes are streamed. Discovery answers on every interface: keep it to yourself with a\n"
+      "Frame 0 waits until both are streamed. Discovery answers on every interface: keep it to yourself with a\n"
       "network of its own:\n"
       "  unshare --net sh -c 'ip link set lo up; ip address add 127.0.0.2/8 dev lo; cliquevo hil sim & ...'");
   hil->callback([arguments, &exit_code] { exit_code = run(*arguments); });

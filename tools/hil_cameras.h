@@ -19,8 +19,8 @@ struct HilOptions {
   double rate_hz = 10.0;  // until who takes the frames asks for another
   bool pingpong = false;  // else silent after the last pair
   double loss = 0.0;      // share of the packets
-  int drop_every = 0;     // every n-th frame of the right eye is not sent; 0 = none
-  int swap_every = 0;     // every n-th frame of the right eye changes places with the one before; 0 = none
+  int drop_every = 0;     // every n-th frame of the right camera is not sent; 0 = none
+  int swap_every = 0;     // every n-th frame of the right camera changes places with the one before; 0 = none
   double right_late_s = 0.0;
   std::string log;              // a line for each frame sent: stamp [us], L or R, number of the pair; empty = none
   double outage_every_s = 0.0;  // both cameras are gone ...
@@ -34,7 +34,7 @@ struct HilCounts {
 
 class HilCameras {
  public:
-  // Reads all pairs of the source into memory. Frame 0 waits until both eyes are streamed; whenever nobody has taken
+  // Reads all pairs of the source into memory. Frame 0 waits until both cameras are streamed; whenever nobody has taken
   // frames for a second, the play begins anew.
   static Result<HilCameras> start(drivers::FrameSource& source, const HilOptions& options);
   HilCameras(HilCameras&&) noexcept;

@@ -129,7 +129,7 @@ void add_record_command(CLI::App& app, int& exit_code) {
       ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
       ->check(CLI::NonNegativeNumber)
       ->type_name("S");
-  add_eye_options(*record, arguments->source);
+  add_recording_options(*record, arguments->source);
   record->footer(
       "The log holds VO_STEREO (the pairs as grabbed, not compressed) and VO_CALIBRATION; whatever ends the writing, "
       "it\n"

@@ -59,7 +59,7 @@ std::vector<double> terms_of(const CameraCalibration& c) {
   return out;
 }
 
-// One eye's sensor.yaml. T_BS: this camera in the body, for which the rectified left camera stands.
+// One camera's sensor.yaml. T_BS: this camera in the body, for which the rectified left camera stands.
 std::string euroc_sensor(const CameraCalibration& c, const RigidTransform& T_body_camera, double rate_hz) {
   std::string rows;
   for (int i = 0; i < 3; ++i) {
@@ -173,10 +173,10 @@ Result<void> RecordingFolder::finish() {
   if (c.prescribed && !c.rectified) T_body_left.R = c.prescribed->R_left;
   const RigidTransform T_body_right = T_body_left * c.T_right_left.inverse();
   for (const bool left : {true, false}) {
-    const std::string eye = folder_ + (left ? "/mav0/cam0" : "/mav0/cam1");
-    if (auto ok = write_text(eye + "/data.csv", "#timestamp [ns],filename\n" + times_); !ok) return ok;
+    const std::string camera_folder = folder_ + (left ? "/mav0/cam0" : "/mav0/cam1");
+    if (auto ok = write_text(camera_folder + "/data.csv", "#timestamp [ns],filename\n" + times_); !ok) return ok;
     const std::string sensor = euroc_sensor(left ? c.left : c.right, left ? T_body_left : T_body_right, rate_hz_);
-    if (auto ok = write_text(eye + "/sensor.yaml", sensor); !ok) return ok;
+    if (auto ok = write_text(camera_folder + "/sensor.yaml", sensor); !ok) return ok;
   }
   return {};
 }

@@ -37,7 +37,7 @@ class RecordingFolder {
 
 // P0 and P1 of a rectified pair, as KITTI's calib.txt.
 std::string kitti_calibration(const StereoModel& model);
-// One eye as ROS' camera_info file, with its prescribed rectification.
+// One camera as ROS' camera_info file, with its prescribed rectification.
 std::string ros_camera_info(const StereoCalibration& calibration, bool left);
 Result<void> write_picture(const std::string& path, ImageView<const std::uint8_t> grey);
 Result<void> write_picture(const std::string& path, ImageView<const std::uint16_t> grey);

@@ -229,7 +229,7 @@ auto into(std::optional<T>& target) {
 void add_source_options(CLI::App& replay, SourceArgument& source) {
   replay
       .add_option("SOURCE", source.text,
-                  "A recording's folder (KITTI, KITTI-360, EuRoC, two folders of images, images of both eyes in one "
+                  "A recording's folder (KITTI, KITTI-360, EuRoC, two folders of images, images of both cameras in one "
                   "folder: told "
                   "apart by what is in it), an LCM log, sim, or sim:key=value,...")
       ->required();
@@ -260,7 +260,7 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
           "The images are raw Bayer mosaics of this pattern, or none; default auto: where the images show it")
       ->check(CLI::IsMember({"auto", "none", "rggb", "bggr", "grbg", "gbrg"}))
       ->type_name("PATTERN");
-  add_eye_options(replay, source);
+  add_recording_options(replay, source);
 }
 
 // What is written about the run.

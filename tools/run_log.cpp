@@ -230,8 +230,9 @@ std::string RunLog::summary(double wall_s, const std::optional<RunReference>& re
   }
   if (!frames_.empty()) {
     const vo::Estimate& last = frames_.back().estimate;
-    if (!finding_.empty()) out += "\neyes         " + finding_;
-    out += "\nself-check   " + (finding_.empty() ? vo::describe(last.calibration) : "not checked: the eyes come first");
+    if (!finding_.empty()) out += "\ncameras      " + finding_;
+    out +=
+        "\nself-check   " + (finding_.empty() ? vo::describe(last.calibration) : "not checked: the cameras come first");
     if (last.vehicle_part.frames > 0) out += "\nview         " + vo::describe(last.vehicle_part);
   }
   out += "\ntime a frame    median       95 %        max\n";

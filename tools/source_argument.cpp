@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/eye_watch.h"
+#include "drivers/camera_order_watch.h"
 #include "drivers/recording.h"
 #include "drivers/simulator.h"
 
@@ -110,11 +110,11 @@ Result<void> check_source(const SourceArgument& argument) {
   return {};
 }
 
-void add_eye_options(CLI::App& command, SourceArgument& argument) {
+void add_recording_options(CLI::App& command, SourceArgument& argument) {
   command.add_option("--channel", argument.channel, "Of a log with several stereo channels: the one to play")
       ->type_name("NAME");
   command.add_flag("--side-by-side", argument.side_by_side,
-                   "Each image of the folder holds both eyes, left half and right half");
+                   "Each image of the folder holds the left and the right one, side by side");
   command.add_flag("--swap-eyes", argument.swap_eyes, "Left and right are exchanged in the recording: put them right");
 }
 
@@ -124,7 +124,7 @@ Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceArgument& 
   const bool swap = argument.swap_eyes || config.swap_eyes;
   auto source = simulated ? open_simulated(argument, config) : open_recorded(argument, config);
   if (!source || (simulated && !swap)) return source;
-  return drivers::watch_eyes(std::move(*source), swap);
+  return drivers::watch_camera_order(std::move(*source), swap);
 }
 
 }  // namespace cliquevo::tools

@@ -45,7 +45,7 @@ bool is_simulator(const std::string& source);
 Result<void> check_source(const SourceArgument& argument);
 
 // --channel, --side-by-side and --swap-eyes, for every command with a SOURCE.
-void add_eye_options(CLI::App& command, SourceArgument& argument);
+void add_recording_options(CLI::App& command, SourceArgument& argument);
 
 // What the command line leaves open, the configuration decides (its simulator for a bare `sim`, its calibration, masks
 // and so on for a recording). What was assumed in reading the calibration is told on stderr.

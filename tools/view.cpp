@@ -76,7 +76,7 @@ void add_view_command(CLI::App& app, int& exit_code, const std::string& version)
   command->add_option("--config", arguments->config, "Configuration (config/cliquevo.yaml tells every key)")
       ->type_name("FILE");
   add_calibration_options(*command, arguments->source);
-  add_eye_options(*command, arguments->source);
+  add_recording_options(*command, arguments->source);
   auto& server = arguments->options.server;
   command->add_option("--port", server.port, "Port of the page, 0 = any that is free")
       ->capture_default_str()

@@ -19,7 +19,7 @@ Result<void> StereoModel::check() const {
   }
   if (width < 16 || height < 16 || width > 16384 || height > 16384) return bad("image size out of 16 to 16384 px");
   if (fx_px <= 0.0 || fy_px <= 0.0) return bad("focal length is not positive");
-  if (baseline_m <= 0.0) return bad("baseline is not positive (are the eyes swapped?)");
+  if (baseline_m <= 0.0) return bad("baseline is not positive (are the cameras swapped?)");
   if (fx_px < 0.05 * width || fx_px > 100.0 * width) return bad("focal length does not fit the image width");
   if (fy_px < 0.05 * width || fy_px > 100.0 * width) return bad("vertical focal length does not fit the image");
   if (baseline_m > 100.0) return bad("baseline above 100 m (millimetres taken for metres?)");

@@ -14,8 +14,8 @@
 
 namespace cliquevo {
 
-// A rectified stereo pair: rows are epipolar lines, both eyes share f and cy. Camera frame: Z forward, X right, Y down;
-// origin in the left eye. disparity d = u_left - u_right; Z = fx * baseline / (d + doffs).
+// A rectified stereo pair: rows are epipolar lines, f and cy are the same. Camera frame: Z forward, X right, Y down;
+// origin in the left camera. disparity d = u_left - u_right; Z = fx * baseline / (d + doffs).
 struct StereoModel {
   int width = 0;   // px
   int height = 0;  // px

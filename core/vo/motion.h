@@ -25,7 +25,7 @@ struct Observation {
   int reference = 0;        // which reference frame (index into `T_prev_ref`)
   int feature = 0;          // caller's index
   float change = 0.0F;      // of the patch since the reference, 1 - correlation; 0 where not tracked
-  float difference = 0.0F;  // between the eyes, likewise
+  float difference = 0.0F;  // between the cameras, likewise
   float brighter = 0.0F;    // than in the reference, grey levels
   // written by the solver
   bool inlier = true;

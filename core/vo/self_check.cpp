@@ -61,7 +61,7 @@ std::string describe(const CalibrationCheck& c) {
   }
   std::snprintf(text, sizeof text,
                 "the calibration is off: disparities are %.2f +- %.2f px too %s and rows differ by up to %.2f px%s; as "
-                "far as it is a turn of the right eye, %.3f %.3f %.3f degrees about x y z mend it; calibrate again",
+                "far as it is a turn of the right camera, %.3f %.3f %.3f degrees about x y z mend it; calibrate again",
                 std::abs(c.disparity_offset_px), c.disparity_offset_sigma_px,
                 c.disparity_offset_px > 0.0 ? "large" : "small", c.vertical_most_px,
                 c.compensated ? " (the odometry corrects for it)" : "", -c.rotation_deg.x(), -c.rotation_deg.y(),
@@ -160,7 +160,7 @@ double SelfCheck::vertical_error_px(double u_px, double v_px) const { return ter
 
 double SelfCheck::disparity_error_px(double u_px, double v_px) const {
   if (!compensate_) return 0.0;
-  // A turn of the right eye about its y, z and x axes.
+  // A turn of the right camera about its y, z and x axes.
   const double x = (u_px - model_.cx_px) / model_.fx_px;
   const double y = (v_px - model_.cy_px) / model_.fy_px;
   return offset_px_ * (1.0 + x * x) + y * vertical_[1] - x * y * vertical_[0];

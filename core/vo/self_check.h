@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What the rectification leaves over, learned from ordinary driving: the vertical error as a function of the place in
-// the image (from the features of the two eyes), and an error common to all disparities (from what the motion's
+// the image (from the features of the two cameras), and an error common to all disparities (from what the motion's
 // residuals leave). Needs no target, no stop and no known scene.
 #pragma once
 
@@ -27,7 +27,7 @@ struct CalibrationCheck {
   // By how much disparities at the principal point are too large.
   double disparity_offset_px = 0.0;
   double disparity_offset_sigma_px = 0.0;
-  // The turn of the right eye about its x, y and z axes that would explain these errors.
+  // The turn of the right camera about its x, y and z axes that would explain these errors.
   Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_sigma_deg = Eigen::Vector3d::Zero();
   bool compensated = false;  // the odometry corrects for it

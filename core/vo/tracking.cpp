@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSlantRadius = 5;     // px, window in which the slant of the surface is measured
 constexpr double kSlantBand = 2.0;  // px, disparities farther from the feature's belong to something else
-constexpr double kMaxSlant = 0.8;   // change of disparity per px; steeper surfaces are not seen alike by both eyes
+constexpr double kMaxSlant = 0.8;   // change of disparity per px; steeper surfaces are not seen alike by both cameras
 
 // Linear interpolation draws a fit to half pixels: at a fraction a of a pixel its phase is off by about sin(2 pi a).
 // Where to cut the template so that both patches, `shift` apart, are off by the same: a and a + shift lie evenly about

@@ -8,7 +8,7 @@
 
 #include "core/base/saturating.h"
 #include "daemon/pipeline/camera_families.h"
-#include "drivers/eye_watch.h"
+#include "drivers/camera_order_watch.h"
 #include "drivers/recording.h"
 #include "drivers/simulator.h"
 
@@ -152,7 +152,7 @@ Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config, dri
   trouble = drivers::OpenTrouble::lasting;
   auto source = open_family(config, trouble);
   if (!source || (config.type == "simulator" && !config.swap_eyes)) return source;
-  return drivers::watch_eyes(std::move(*source), config.swap_eyes);
+  return drivers::watch_camera_order(std::move(*source), config.swap_eyes);
 }
 
 }  // namespace cliquevo::daemon

@@ -10,12 +10,12 @@ namespace {
 
 using drivers::SourceInfo;
 using drivers::StereoPair;
-using stereo::Eye;
+using stereo::CameraSide;
 
-// Where the rectified eye shows anything that may be used: not the vehicle's own parts, not beyond the raw image's
+// Where the rectified image shows anything that may be used: not the vehicle's own parts, not beyond the raw image's
 // edge. Empty: everywhere.
-Result<Image<std::uint8_t>> usable_area(const stereo::Rectifier& rectifier, Eye eye, ImageView<const std::uint8_t> mask,
-                                        const CameraCalibration& raw) {
+Result<Image<std::uint8_t>> usable_area(const stereo::Rectifier& rectifier, CameraSide side,
+                                        ImageView<const std::uint8_t> mask, const CameraCalibration& raw) {
   Image<std::uint8_t> everything;
   if (mask.empty()) {
     everything.resize(raw.width, raw.height);
@@ -23,7 +23,7 @@ Result<Image<std::uint8_t>> usable_area(const stereo::Rectifier& rectifier, Eye 
     mask = everything.cview();
   }
   Image<std::uint8_t> area(rectifier.model().width, rectifier.model().height);
-  if (auto ok = rectifier.rectify_mask(eye, mask, area.view()); !ok) return ok.error();
+  if (auto ok = rectifier.rectify_mask(side, mask, area.view()); !ok) return ok.error();
   const ImageView<const std::uint8_t> view = area.cview();
   for (int y = 0; y < view.height; ++y) {
     for (int x = 0; x < view.width; ++x) {
@@ -47,9 +47,9 @@ void apply_right_mask(ImageView<const std::uint8_t> mask, ImageView<std::int16_t
   }
 }
 
-Error wrong_size(const char* eye, std::int64_t index, const Image<std::uint8_t>& image,
+Error wrong_size(const char* side, std::int64_t index, const Image<std::uint8_t>& image,
                  const CameraCalibration& wanted) {
-  return {std::string(eye) + " image of another size", "pair " + std::to_string(index),
+  return {std::string(side) + " image of another size", "pair " + std::to_string(index),
           std::to_string(image.width()) + "x" + std::to_string(image.height()) + " where the calibration is for " +
               std::to_string(wanted.width) + "x" + std::to_string(wanted.height) + ": give images of that size"};
 }
@@ -65,7 +65,7 @@ Result<StereoStage> StereoStage::make(const stereo::StereoParams& params, const 
   if (!rectifier) return rectifier.error();
   auto dense = stereo::DenseStereo::make(params, rectifier->model().width, rectifier->model().height);
   if (!dense) return dense.error();
-  auto right_area = usable_area(*rectifier, Eye::right, source.right_mask.cview(), source.calibration.right);
+  auto right_area = usable_area(*rectifier, CameraSide::right, source.right_mask.cview(), source.calibration.right);
   if (!right_area) return right_area.error();
   StereoStage stage(source.calibration, std::move(*rectifier), std::move(*dense));
   stage.right_mask_ = std::move(*right_area);
@@ -88,8 +88,8 @@ Result<void> StereoStage::run(const StereoPair& pair, StereoFrame& frame) {
   if (!pair.right.cview().same_size(r.width, r.height)) return wrong_size("right", pair.index, pair.right, r);
 
   const std::int64_t begin_ns = monotonic_ns();
-  if (auto ok = rectifier_.rectify(Eye::left, pair.left.cview(), frame.left.view()); !ok) return ok;
-  if (auto ok = rectifier_.rectify(Eye::right, pair.right.cview(), frame.right.view()); !ok) return ok;
+  if (auto ok = rectifier_.rectify(CameraSide::left, pair.left.cview(), frame.left.view()); !ok) return ok;
+  if (auto ok = rectifier_.rectify(CameraSide::right, pair.right.cview(), frame.right.view()); !ok) return ok;
   const std::int64_t rectified_ns = monotonic_ns();
   auto done =
       dense_.compute(frame.left.cview(), frame.right.cview(), frame.filtered_left.view(), frame.disparity.view());
@@ -105,7 +105,7 @@ Result<OdometryStage> OdometryStage::make(const vo::VoParams& params, const Sour
                                           const StereoStage& stereo) {
   auto odometry = vo::VisualOdometry::make(stereo.model(), params);
   if (!odometry) return odometry.error();
-  auto area = usable_area(stereo.rectifier(), Eye::left, source.left_mask.cview(), source.calibration.left);
+  auto area = usable_area(stereo.rectifier(), CameraSide::left, source.left_mask.cview(), source.calibration.left);
   if (!area) return area.error();
   if (!area->empty()) {
     if (auto ok = odometry->set_mask(area->cview()); !ok) return ok.error();

@@ -26,7 +26,7 @@ struct AravisFrame {
 
 class AravisCamera {
  public:
-  // follows: takes exposure and gain from the other eye where these are automatic. trouble: told with an error.
+  // follows: takes exposure and gain from the other camera where these are automatic. trouble: told with an error.
   static Result<AravisCamera> open(const std::string& name, const CameraOptions& options, bool follows,
                                    OpenTrouble& trouble);
   AravisCamera(AravisCamera&&) noexcept;

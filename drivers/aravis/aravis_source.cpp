@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A pair of cameras: a thread an eye that keeps it streaming, whatever happens, and one that triggers.
+// A pair of cameras: one thread per camera that keeps it streaming, whatever happens, and one that triggers.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -32,11 +32,11 @@ using std::chrono::steady_clock;
 constexpr milliseconds kFirstRetry{200};
 constexpr milliseconds kLastRetry{2000};
 constexpr std::uint64_t kTakeUs = 100'000;
-constexpr std::int64_t kFollowNs = 500'000'000;  // how often the right eye takes over the left one's exposure
+constexpr std::int64_t kFollowNs = 500'000'000;  // how often the right camera takes over the left one's exposure
 constexpr double kMostSkewS = 0.005;
 constexpr std::uint16_t kGvcpPort = 3956;
 
-// Both eyes have one exposure and gain: what the leader's control found, for the follower.
+// Both cameras have one exposure and gain: what the leader's control found, for the follower.
 struct SharedExposure {
   std::atomic<double> exposure_us{0.0};
   std::atomic<double> gain{-1.0};
@@ -49,11 +49,11 @@ class AravisPair final : public FrameSource {
       : options_(options), info_(std::move(info)), pairs_(sync, info_.width, info_.height) {
     cameras_[0].emplace(std::move(left));
     cameras_[1].emplace(std::move(right));
-    for (const Eye eye : {Eye::left, Eye::right}) {
-      threads_.emplace_back([this, eye] {
+    for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+      threads_.emplace_back([this, side] {
         keep_going(
-            "camera's thread", stop_, [&] { run(eye); },
-            [&](const Error& error) { pairs_.set_state(eye, error.line()); });
+            "camera's thread", stop_, [&] { run(side); },
+            [&](const Error& error) { pairs_.set_state(side, error.line()); });
       });
     }
     if (options_.trigger == CameraTrigger::software || options_.trigger == CameraTrigger::action) {
@@ -84,27 +84,28 @@ class AravisPair final : public FrameSource {
   std::string queues() const override { return pairs_.queues(); }
 
  private:
-  void run(Eye eye) {
+  void run(CameraSide side) {
     hurry_this_thread();
-    const auto i = static_cast<std::size_t>(eye);
-    if (cameras_[i]) stream(eye, *cameras_[i]);
+    const auto i = static_cast<std::size_t>(side);
+    if (cameras_[i]) stream(side, *cameras_[i]);
     close(i);
     milliseconds pause = kFirstRetry;
     while (!stop_) {
-      pairs_.set_state(eye, "reconnecting");
+      pairs_.set_state(side, "reconnecting");
       OpenTrouble ignored = OpenTrouble::lasting;  // whatever it is, there is nothing else to do than to try again
-      auto opened = AravisCamera::open(i == 0 ? options_.left : options_.right, options_, eye == Eye::right, ignored);
+      auto opened =
+          AravisCamera::open(i == 0 ? options_.left : options_.right, options_, side == CameraSide::right, ignored);
       if (opened.ok() && opened->width() == info_.width && opened->height() == info_.height) {
         {
           const std::lock_guard<std::mutex> lock(camera_mutex_[i]);
           cameras_[i].emplace(std::move(*opened));
         }
-        if (stream(eye, *cameras_[i])) pause = kFirstRetry;
+        if (stream(side, *cameras_[i])) pause = kFirstRetry;
         close(i);
         continue;
       }
       pairs_.set_state(
-          eye, opened.ok() ? "reconnecting: it is back with another size" : "reconnecting: " + opened.error().what);
+          side, opened.ok() ? "reconnecting: it is back with another size" : "reconnecting: " + opened.error().what);
       std::unique_lock<std::mutex> lock(mutex_);
       changed_.wait_for(lock, pause, [this] { return stop_.load(); });
       pause = std::min(2 * pause, kLastRetry);
@@ -117,12 +118,12 @@ class AravisPair final : public FrameSource {
   }
 
   // Until it is lost or all is over. false: it delivered nothing.
-  bool stream(Eye eye, AravisCamera& camera) {
+  bool stream(CameraSide side, AravisCamera& camera) {
     if (auto ok = camera.start(); !ok) return false;
-    pairs_.set_state(eye, "");
+    pairs_.set_state(side, "");
     bool delivered = false;
     std::int64_t next_follow_ns = 0;
-    if (eye == Eye::right) {  // a camera that comes back has forgotten
+    if (side == CameraSide::right) {  // a camera that comes back has forgotten
       followed_exposure_us_ = 0.0;
       followed_gain_ = -1.0;
     }
@@ -130,25 +131,25 @@ class AravisPair final : public FrameSource {
       if (const auto frame = camera.take(kTakeUs)) {
         const std::int64_t now_ns = monotonic_ns();
         if (frame->whole) {
-          pairs_.push(eye, {frame->image, frame->stamp_ns, now_ns, utc_now_ns()});
+          pairs_.push(side, {frame->image, frame->stamp_ns, now_ns, utc_now_ns()});
           delivered = true;
         } else {
-          pairs_.count_incomplete(eye);
+          pairs_.count_incomplete(side);
         }
         camera.give_back(*frame);
       }
       if (monotonic_ns() >= next_follow_ns) {
         next_follow_ns = monotonic_ns() + kFollowNs;
-        share_exposure(eye, camera);
+        share_exposure(side, camera);
       }
     }
-    if (camera.lost()) pairs_.set_state(eye, "lost");
+    if (camera.lost()) pairs_.set_state(side, "lost");
     return delivered;
   }
 
-  void share_exposure(Eye eye, AravisCamera& camera) {
+  void share_exposure(CameraSide side, AravisCamera& camera) {
     if (options_.exposure_us && options_.gain) return;
-    if (eye == Eye::left) {
+    if (side == CameraSide::left) {
       if (!options_.exposure_us) shared_.exposure_us = camera.exposure_us().value_or(0.0);
       if (!options_.gain) shared_.gain = camera.gain().value_or(-1.0);
       return;
@@ -198,10 +199,10 @@ class AravisPair final : public FrameSource {
   CameraOptions options_;
   SourceInfo info_;
   LivePairs pairs_;
-  std::array<std::optional<AravisCamera>, 2> cameras_;  // an eye's thread's; the trigger's under the mutex
+  std::array<std::optional<AravisCamera>, 2> cameras_;  // a camera's thread's; the trigger's under the mutex
   std::array<std::mutex, 2> camera_mutex_;
   SharedExposure shared_;
-  double followed_exposure_us_ = 0.0;  // the right eye's thread's
+  double followed_exposure_us_ = 0.0;  // the right camera's thread's
   double followed_gain_ = -1.0;
   int socket_ = -1;  // the trigger's
   std::mutex mutex_;
@@ -227,7 +228,7 @@ Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options, O
   if (auto ok = options.check(); !ok) return ok.error();
   if (auto ok = options.check_names(); !ok) return ok.error();
   if (auto ok = check_live_calibration(options); !ok) return ok.error();
-  if (options.layout != EyeLayout::two_cameras) {
+  if (options.layout != CameraLayout::two_cameras) {
     return Error{"configuration value out of range", "layout", "Aravis takes two cameras: set layout to two_cameras"};
   }
   PairSyncOptions sync;
@@ -242,7 +243,7 @@ Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options, O
   auto right = open_patiently(options.right, options, true, trouble);
   if (!right) return right.error();
   if (left->width() != right->width() || left->height() != right->height()) {
-    return Error{"eyes have unequal sizes", fmt::format("{} and {}", options.left, options.right),
+    return Error{"cameras have unequal sizes", fmt::format("{} and {}", options.left, options.right),
                  fmt::format("they give {}x{} and {}x{}: set width and height", left->width(), left->height(),
                              right->width(), right->height())};
   }

@@ -87,14 +87,14 @@ Result<StereoCalibration> read_basalt(const CalibrationText& file, const Calibra
     return Error{"calibration is of a single camera", file.path, "name the calibration of both cameras"};
   }
   StereoCalibration c;
-  RigidTransform T_imu_eye[2];
-  for (std::size_t eye = 0; eye < 2; ++eye) {
-    const auto camera = read_camera(cameras[eye]);
+  RigidTransform T_imu_camera[2];
+  for (std::size_t side = 0; side < 2; ++side) {
+    const auto camera = read_camera(cameras[side]);
     if (!camera) return camera.error();
-    const auto pose = read_pose(poses[eye]);
+    const auto pose = read_pose(poses[side]);
     if (!pose) return pose.error();
-    (eye == 0 ? c.left : c.right) = *camera;
-    T_imu_eye[eye] = *pose;
+    (side == 0 ? c.left : c.right) = *camera;
+    T_imu_camera[side] = *pose;
   }
   if (value->has("resolution")) {
     const auto sizes = value->numbers("resolution");
@@ -102,15 +102,15 @@ Result<StereoCalibration> read_basalt(const CalibrationText& file, const Calibra
     if (sizes->size() < 4 || sizes->size() % 2 != 0) {
       return calibration_error("resolution is not of both cameras", value->where("resolution"));
     }
-    for (std::size_t eye = 0; eye < 2; ++eye) {
-      const auto size = size_from((*sizes)[2 * eye], (*sizes)[2 * eye + 1], value->where("resolution"));
+    for (std::size_t side = 0; side < 2; ++side) {
+      const auto size = size_from((*sizes)[2 * side], (*sizes)[2 * side + 1], value->where("resolution"));
       if (!size) return size.error();
-      CameraCalibration& camera = eye == 0 ? c.left : c.right;
+      CameraCalibration& camera = side == 0 ? c.left : c.right;
       camera.width = size->first;
       camera.height = size->second;
     }
   }
-  c.T_right_left = T_imu_eye[1].inverse() * T_imu_eye[0];
+  c.T_right_left = T_imu_camera[1].inverse() * T_imu_camera[0];
   return finish_calibration(c, request);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reading a calibration: what is asked for, and how the file of the other eye comes in.
+// Reading a calibration: what is asked for, and how the file of the other camera comes in.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ struct CalibrationRequest {
   std::string path;  // file or folder
   int width = 0;     // of the images, 0 = unknown
   int height = 0;
-  int left_camera = 0;  // numbers of the eyes, where a file holds more cameras (KITTI's 0..3)
+  int left_camera = 0;  // their numbers, where a file holds more than two cameras (KITTI's 0..3)
   int right_camera = 1;
   CalibrationOptions options;
 };
@@ -33,8 +33,8 @@ using OtherFile = std::function<Result<NamedText>(const std::vector<std::string>
 // Any format, from memory.
 Result<StereoCalibration> parse_calibration(const std::string& text, const CalibrationRequest& request,
                                             const OtherFile& other);
-// Whether a file is the right eye's by its name.
-bool is_right_eye(const std::string& path);
+// Whether a file is the right camera's by its name.
+bool is_right_camera(const std::string& path);
 // The file in a folder that serves as calibration: by the usual names, else the only one of a known format. Empty =
 // none; the folder itself = several, among which reading it asks to choose.
 std::string find_calibration(const std::string& folder);

@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBytes = 1U << 20U;
 
-constexpr std::array<std::pair<const char*, const char*>, 7> kEyeWords{{{"left", "right"},
-                                                                        {"Left", "Right"},
-                                                                        {"LEFT", "RIGHT"},
-                                                                        {"cam0", "cam1"},
-                                                                        {"camera0", "camera1"},
-                                                                        {"camera_0", "camera_1"},
-                                                                        {"infra1", "infra2"}}};
+constexpr std::array<std::pair<const char*, const char*>, 7> kSideWords{{{"left", "right"},
+                                                                         {"Left", "Right"},
+                                                                         {"LEFT", "RIGHT"},
+                                                                         {"cam0", "cam1"},
+                                                                         {"camera0", "camera1"},
+                                                                         {"camera_0", "camera_1"},
+                                                                         {"infra1", "infra2"}}};
 
 std::string extension_of(const std::string& path) {
   std::string out = fs::path(path).extension().string();
@@ -89,7 +89,7 @@ Result<NamedText> read_first(const std::string& path, const std::vector<std::str
     if (!text) return text.error();
     return NamedText{candidate, std::move(*text)};
   }
-  return Error{"calibration of the other eye is missing", wanted.empty() ? path : wanted,
+  return Error{"calibration of the other camera is missing", wanted.empty() ? path : wanted,
                "put both beside each other, named left and right or cam0 and cam1"};
 }
 
@@ -133,9 +133,9 @@ std::string beside(const std::string& path, const std::string& name) {
   return (fs::path(path).parent_path() / name).string();
 }
 
-std::vector<std::string> other_eye_paths(const std::string& path) {
+std::vector<std::string> other_camera_paths(const std::string& path) {
   std::vector<std::string> out;
-  for (const auto& [left, right] : kEyeWords) {
+  for (const auto& [left, right] : kSideWords) {
     for (const std::string& name : {replaced(path, left, right, 2), replaced(path, right, left, 2)}) {
       if (!name.empty()) out.push_back(name);
     }
@@ -152,8 +152,8 @@ Result<Document> read_other(const OtherFile& other, const std::vector<std::strin
   return std::move(*parsed.document);
 }
 
-bool is_right_eye(const std::string& path) {
-  return std::any_of(kEyeWords.begin(), kEyeWords.end(), [&](const auto& words) {
+bool is_right_camera(const std::string& path) {
+  return std::any_of(kSideWords.begin(), kSideWords.end(), [&](const auto& words) {
     return replaced(path, words.first, words.second, 2).empty() &&
            !replaced(path, words.second, words.first, 2).empty();
   });

@@ -43,11 +43,11 @@ Result<void> check_camera(const CameraCalibration& c, const std::string& where) 
 }
 
 Result<void> check_translation(const Eigen::Vector3d& t, bool unit_named, const std::string& where) {
-  if (!t.allFinite()) return calibration_error("translation between the eyes is not finite", where);
+  if (!t.allFinite()) return calibration_error("translation between the cameras is not finite", where);
   const double length = t.norm();
   if (length < 1e-9) return calibration_error("baseline is zero", where);
-  if (t.x() >= 0.0) return calibration_error("right camera lies left of the left one (eyes swapped)", where);
-  if (-t.x() < 0.5 * length) return calibration_error("eyes are not side by side", where);
+  if (t.x() >= 0.0) return calibration_error("right camera lies left of the left one (cameras swapped)", where);
+  if (-t.x() < 0.5 * length) return calibration_error("cameras are not side by side", where);
   return check_baseline(length, unit_named, where);
 }
 
@@ -87,13 +87,13 @@ bool same_model(const StereoModel& a, const StereoModel& b) {
          near(a.cx_px, b.cx_px) && near(a.cy_px, b.cy_px) && near(a.doffs_px, b.doffs_px);
 }
 
-// The rectified eyes must differ by the baseline alone, to what files round to.
+// The rectified cameras must differ by the baseline alone, to what files round to.
 Result<void> check_fit(const PrescribedRectification& p, const RigidTransform& T_right_left, const std::string& where) {
   const Eigen::Matrix3d between = p.R_right * T_right_left.R * p.R_left.transpose();
   const Eigen::Vector3d shift = p.R_right * T_right_left.t + Eigen::Vector3d(p.model.baseline_m, 0.0, 0.0);
   if ((between - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > 0.02 ||
       shift.norm() > 0.03 * p.model.baseline_m) {
-    return calibration_error("prescribed rectification does not fit rotation and baseline of the eyes", where);
+    return calibration_error("prescribed rectification does not fit rotation and baseline of the cameras", where);
   }
   return {};
 }
@@ -141,10 +141,10 @@ Result<StereoModel> model_from_projections(const std::vector<double>& P_left, co
     if (std::abs(p[1]) > 1e-6 * p[0] || p[4] != 0.0 || p[8] != 0.0 || p[9] != 0.0 || std::abs(p[10] - 1.0) > 1e-9) {
       return calibration_error("projection is not that of a rectified camera", where);
     }
-    if (std::abs(p[7]) > 1e-3 * std::abs(P_right[3])) return calibration_error("eyes are not side by side", where);
+    if (std::abs(p[7]) > 1e-3 * std::abs(P_right[3])) return calibration_error("cameras are not side by side", where);
   }
   if (!near(P_left[0], P_right[0]) || !near(P_left[5], P_right[5]) || !near(P_left[6], P_right[6])) {
-    return calibration_error("projections of the eyes have unequal focal lengths or rows", where);
+    return calibration_error("projections of the cameras have unequal focal lengths or rows", where);
   }
   StereoModel m;
   m.fx_px = P_left[0];
@@ -247,7 +247,7 @@ Result<StereoCalibration> finish_calibration(StereoCalibration c, const Calibrat
   c.source = request.path;
   if (auto ok = settle_size(c, request); !ok) return ok.error();
   for (CameraCalibration* camera : {&c.left, &c.right}) {
-    const std::string where = request.path + (camera == &c.left ? " (left eye)" : " (right eye)");
+    const std::string where = request.path + (camera == &c.left ? " (left camera)" : " (right camera)");
     if (const Result<void> ok = check_camera(*camera, where); !ok) return ok.error();
     if (const Result<void> ok = check_lens(*camera, where); !ok) return ok.error();
   }

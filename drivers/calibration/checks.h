@@ -40,7 +40,7 @@ Result<void> set_distortion(const std::string& name, const std::vector<double>& 
 // Focal lengths and principal point of a row-major 3x3 matrix that must be one of a pinhole camera without skew.
 Result<void> set_camera_matrix(const std::vector<double>& K, const std::string& where, CameraCalibration& camera);
 
-// Pinhole projections (row-major 3x4) of the two rectified eyes to the model; width and height are left at 0.
+// Pinhole projections (row-major 3x4) of the two rectified cameras to the model; width and height are left at 0.
 Result<StereoModel> model_from_projections(const std::vector<double>& P_left, const std::vector<double>& P_right,
                                            const std::string& where);
 

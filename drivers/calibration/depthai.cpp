@@ -110,7 +110,7 @@ std::optional<RigidTransform> between(const Cameras& cameras, int from, int to) 
   return found == reached.end() ? std::nullopt : std::optional(found->second);
 }
 
-// The eyes by the file, else the sockets of the boards' stereo cameras.
+// The left and right camera by the file, else the sockets of the boards' stereo cameras.
 std::pair<int, int> sockets(const Document& file) {
   if (const auto data = file.inner("stereoRectificationData")) {
     const auto left = data->number("leftCameraSocket");

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// DSO's cameras: its stereo variants' five lines, and 4Seasons' files an eye.
+// DSO's cameras: its stereo variants' five lines, and 4Seasons' files, one per camera.
 #include <algorithm>
 #include <cmath>
 
@@ -107,7 +107,7 @@ std::string sibling(const std::string& path, const char* which) {
   return {};
 }
 
-Result<CameraCalibration> read_eye(const NamedText& file) {
+Result<CameraCalibration> read_camera(const NamedText& file) {
   const std::vector<TextLine> lines = split_lines(file.text);
   if (lines.size() < 2) {
     return Error{"calibration has no camera and size", file.path, "copy it again"};
@@ -147,12 +147,12 @@ bool is_four_seasons(const CalibrationText& file) {
 Result<StereoCalibration> read_four_seasons(const CalibrationText& file, const CalibrationRequest& request,
                                             const OtherFile& other) {
   StereoCalibration c;
-  for (const char* eye : {"0", "1"}) {
-    const auto text = other({sibling(file.path, eye)});
+  for (const char* number : {"0", "1"}) {
+    const auto text = other({sibling(file.path, number)});
     if (!text) return text.error();
-    const auto camera = read_eye(*text);
+    const auto camera = read_camera(*text);
     if (!camera) return camera.error();
-    (*eye == '0' ? c.left : c.right) = *camera;
+    (*number == '0' ? c.left : c.right) = *camera;
   }
   const auto stereo = other({sibling(file.path, "stereo")});
   if (!stereo) return stereo.error();

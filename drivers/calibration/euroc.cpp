@@ -135,16 +135,16 @@ bool is_okvis(const CalibrationText& file) {
 
 Result<StereoCalibration> read_euroc(const CalibrationText& file, const CalibrationRequest& request,
                                      const OtherFile& other) {
-  const Result<Document> second = read_other(other, other_eye_paths(file.path));
+  const Result<Document> second = read_other(other, other_camera_paths(file.path));
   if (!second) return second.error();
-  const bool swapped = is_right_eye(file.path);
+  const bool swapped = is_right_camera(file.path);
   const Document& left = swapped ? *second : *file.document;
   const Document& right = swapped ? *file.document : *second;
   StereoCalibration c;
-  for (const Document* eye : {&left, &right}) {
-    const Result<CameraCalibration> camera = read_camera(*eye);
+  for (const Document* side : {&left, &right}) {
+    const Result<CameraCalibration> camera = read_camera(*side);
     if (!camera) return camera.error();
-    (eye == &left ? c.left : c.right) = *camera;
+    (side == &left ? c.left : c.right) = *camera;
   }
   const auto T = between(left, right, "T_BS", false);
   if (!T) return T.error();
@@ -159,10 +159,10 @@ Result<StereoCalibration> read_kalibr(const CalibrationText& file, const Calibra
   const Result<Document> right = file.document->inner("cam1");
   if (!right) return right.error();
   StereoCalibration c;
-  for (const Result<Document>* eye : {&left, &right}) {
-    const Result<CameraCalibration> camera = read_camera(**eye);
+  for (const Result<Document>* side : {&left, &right}) {
+    const Result<CameraCalibration> camera = read_camera(**side);
     if (!camera) return camera.error();
-    (eye == &left ? c.left : c.right) = *camera;
+    (side == &left ? c.left : c.right) = *camera;
   }
   const auto T = read_chain(*left, *right);
   if (!T) return T.error();
@@ -177,10 +177,10 @@ Result<StereoCalibration> read_okvis(const CalibrationText& file, const Calibrat
     return Error{"calibration is of a single camera", file.path, "name the calibration of both cameras"};
   }
   StereoCalibration c;
-  for (int eye = 0; eye < 2; ++eye) {
-    const auto camera = read_okvis_camera(cameras[static_cast<std::size_t>(eye)]);
+  for (int side = 0; side < 2; ++side) {
+    const auto camera = read_okvis_camera(cameras[static_cast<std::size_t>(side)]);
     if (!camera) return camera.error();
-    (eye == 0 ? c.left : c.right) = *camera;
+    (side == 0 ? c.left : c.right) = *camera;
   }
   const auto T = read_chain(cameras[0], cameras[1]);
   if (!T) return T.error();

@@ -85,15 +85,15 @@ std::string find_in(const std::string& folder) {
     if (++seen <= kMostFiles && is_calibration(entry->path())) files.push_back(entry->path().string());
   }
   if (!chains.empty()) return *std::min_element(chains.begin(), chains.end());
-  // One an eye is one calibration; the left eye's stands for it.
-  files.erase(std::remove_if(files.begin(), files.end(), [](const std::string& path) { return is_right_eye(path); }),
+  // One file per camera is one calibration; the left camera's stands for it.
+  files.erase(std::remove_if(files.begin(), files.end(), [](const std::string& path) { return is_right_camera(path); }),
               files.end());
   if (files.empty()) return {};
   if (files.size() == 1) return files.front();
   // Beside other files (their pose alone, say) two that are named as a pair are the calibration.
   std::vector<std::string> pairs;
   std::copy_if(files.begin(), files.end(), std::back_inserter(pairs), [](const std::string& path) {
-    const std::vector<std::string> others = other_eye_paths(path);
+    const std::vector<std::string> others = other_camera_paths(path);
     std::error_code none;
     return std::any_of(others.begin(), others.end(), [&](const std::string& o) { return fs::exists(o, none); });
   });

@@ -45,8 +45,8 @@ std::span<const CalibrationFormat> calibration_formats();
 
 // Syntaxes of other files of a calibration.
 Result<Document> read_other(const OtherFile& other, const std::vector<std::string>& paths);
-// The names that the file of the other eye may have: the same one with "left" for "right" and so on.
-std::vector<std::string> other_eye_paths(const std::string& path);
+// The names that the file of the other camera may have: the same one with "left" for "right" and so on.
+std::vector<std::string> other_camera_paths(const std::string& path);
 // `path` with its file's name replaced.
 std::string beside(const std::string& path, const std::string& name);
 // `path` with the last `from` in its last `depth` components replaced; empty = it has none.

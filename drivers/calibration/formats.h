@@ -16,20 +16,20 @@ CLIQUEVO_CALIBRATION_FORMAT(kitti_odometry);  // P0, P1: rectified pinhole pairs
 CLIQUEVO_CALIBRATION_FORMAT(kitti_raw);       // S_, K_, D_, R_, T_, S_rect_, R_rect_, P_rect_ of each camera's number
 CLIQUEVO_CALIBRATION_FORMAT(middlebury);      // cam0=[f 0 cx; 0 f cy; 0 0 1], cam1, doffs, baseline in mm
 // Five lines: "Pinhole|RadTan|EquiDistant fx fy cx cy [distortion]", absolute (px) or relative to the size; width and
-// height; crop, full, none, or the output camera; its size; baseline in m. The eyes lie in parallel.
+// height; crop, full, none, or the output camera; its size; baseline in m. The cameras lie in parallel.
 CLIQUEVO_CALIBRATION_FORMAT(dso);
-// DSO's first lines in a file an eye (calib_0.txt, calib_1.txt), and a 4x4 matrix in calib_stereo.txt.
+// DSO's first lines in a file per camera (calib_0.txt, calib_1.txt), and a 4x4 matrix in calib_stereo.txt.
 CLIQUEVO_CALIBRATION_FORMAT(four_seasons);
 // Keys.
 CLIQUEVO_CALIBRATION_FORMAT(kalibr);   // cam0, cam1: T_cn_cnm1 takes points from cam0 to cam1; T_cam_imu, T_imu_cam
-CLIQUEVO_CALIBRATION_FORMAT(euroc);    // sensor.yaml of each eye: T_BS takes points of the camera to the body
+CLIQUEVO_CALIBRATION_FORMAT(euroc);    // sensor.yaml of each camera: T_BS takes points of the camera to the body
 CLIQUEVO_CALIBRATION_FORMAT(okvis);    // cameras: a list; T_SC takes points of the camera to the sensor
-CLIQUEVO_CALIBRATION_FORMAT(vins);     // body_T_cam0, body_T_cam1, and a file of intrinsics an eye
+CLIQUEVO_CALIBRATION_FORMAT(vins);     // body_T_cam0, body_T_cam1, and a file of intrinsics per camera
 CLIQUEVO_CALIBRATION_FORMAT(basalt);   // value0: T_imu_cam, intrinsics, resolution
 CLIQUEVO_CALIBRATION_FORMAT(depthai);  // cameraData by socket; lengths in cm
 CLIQUEVO_CALIBRATION_FORMAT(zed);      // [LEFT_CAM_VGA], ... and [STEREO]; lengths in mm
-CLIQUEVO_CALIBRATION_FORMAT(ost);      // ROS's calibrator: both eyes in one text, or one text an eye
-CLIQUEVO_CALIBRATION_FORMAT(ros);      // camera_info of each eye
+CLIQUEVO_CALIBRATION_FORMAT(ost);      // ROS's calibrator: both cameras in one text, or one text per camera
+CLIQUEVO_CALIBRATION_FORMAT(ros);      // camera_info of each camera
 CLIQUEVO_CALIBRATION_FORMAT(keyed);    // whatever else names its matrices: OpenCV, ORB-SLAM, stella_vslam
 
 #undef CLIQUEVO_CALIBRATION_FORMAT

@@ -44,7 +44,7 @@ std::vector<std::string> words_of(const std::string& key) {
 
 bool is_number(const std::string& word) { return !word.empty() && is_digit(word[0]); }
 
-// Words that a single letter for the eye is written to: "KL", "fxr", "mtxl".
+// Words that a single letter for the camera is written to: "KL", "fxr", "mtxl".
 void split_fused(std::vector<std::string>& words) {
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string& w = words[i];
@@ -60,9 +60,9 @@ void split_fused(std::vector<std::string>& words) {
                       "coeff", "intrinsics", "distortion"})) {
       continue;
     }
-    const std::string eye(1, w.back());
+    const std::string letter(1, w.back());
     words[i] = stem;
-    words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, eye);
+    words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, letter);
   }
 }
 
@@ -77,17 +77,17 @@ bool is_filler(const std::string& w) {
 }
 
 struct Words {
-  std::vector<std::string> rest;  // without eyes and fillers
+  std::vector<std::string> rest;  // without words for cameras and fillers
   bool matrix = false;            // fillers that mean something where nothing else is
   bool coefficients = false;
   bool m = false;
 };
 
-// Takes the words for eyes and the cameras' numbers out. `of_a_group`: the key of a map that holds the quantity.
+// Takes the words for cameras and the cameras' numbers out. `of_a_group`: the key of a map that holds the quantity.
 Words sort_words(std::vector<std::string> words, bool of_a_group, KeyMeaning& meaning) {
   split_fused(words);
   Words out;
-  // "r" is the right eye beside another word, and a rotation alone.
+  // "r" is the right camera beside another word, and a rotation alone.
   std::size_t others = of_a_group ? 1 : 0;
   for (const std::string& w : words) {
     const bool silent = is_number(w) || among(w, {"r", "l", "left", "right", "cam", "camera", "stereo", "calib",

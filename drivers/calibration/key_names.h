@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What a key of a calibration file means, by the words in it: cameraMatrixL, left_K, K1, mtx_l, LEFT.K and
-// cam0.camera_matrix are all the left eye's camera matrix. The words that name quantities and eyes are known; how they
+// cam0.camera_matrix are all the left camera's camera matrix. The words for quantities and cameras are known; how they
 // are joined, in what order and with what beside them does not matter.
 #pragma once
 
@@ -44,7 +44,7 @@ enum class KeySide { none, left, right, both };
 struct KeyMeaning {
   Quantity quantity = Quantity::none;
   KeySide side = KeySide::none;  // by words
-  std::optional<int> number;     // of a camera: which eye it is depends on the others' numbers
+  std::optional<int> number;     // of a camera: left or right depends on the others' numbers
   int index = 0;                 // of a term
   bool body_first = false;       // of a pose: "T_imu_cam", "body_T_cam", "T_BS": takes the camera's points to a body
   bool against_body = false;     // of a pose: against a third frame

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/calibration/eye_parts.h"
+#include "drivers/calibration/camera_parts.h"
 #include "drivers/calibration/formats.h"
 #include "drivers/calibration/keys.h"
 
@@ -13,7 +13,7 @@ namespace cliquevo::drivers {
 
 namespace {
 
-// What a reader looks for: the eye's own, else the one for both.
+// What a reader looks for: the camera's own, else the one for both.
 Result<const KeyEntry*> own_or_common(const Keys& keys, Quantity quantity, KeySide side, int index = 0) {
   auto own = keys.find(quantity, side, index);
   if (!own || *own != nullptr || side == KeySide::none) return own;
@@ -50,16 +50,16 @@ Result<bool> read_focal_lengths(const Keys& keys, KeySide side, CameraCalibratio
   return true;
 }
 
-Result<void> read_matrix(const KeyEntry& K, EyeParts& eye) {
+Result<void> read_matrix(const KeyEntry& K, CameraParts& parts) {
   if (K.numbers.size() == 4) {  // fx fy cx cy
     const std::vector<double>& v = K.numbers;
-    return put_camera_matrix({v[0], 0, v[2], 0, v[1], v[3], 0, 0, 1}, K.where, eye);
+    return put_camera_matrix({v[0], 0, v[2], 0, v[1], v[3], 0, 0, 1}, K.where, parts);
   }
   if (K.numbers.size() != 9) {
     return Error{fmt::format("{} has {} numbers instead of 9", printable(K.key), K.numbers.size()), K.where,
                  "copy the calibration again: it is torn"};
   }
-  return put_camera_matrix(K.numbers, K.where, eye);
+  return put_camera_matrix(K.numbers, K.where, parts);
 }
 
 bool is_fisheye_name(std::string name) {
@@ -69,7 +69,7 @@ bool is_fisheye_name(std::string name) {
 }
 
 // k1 k2 p1 p2 k3 ... as numbers of their own, in the model's order.
-Result<void> read_terms(const Keys& keys, KeySide side, EyeParts& eye) {
+Result<void> read_terms(const Keys& keys, KeySide side, CameraParts& parts) {
   double k[7] = {};
   double p[3] = {};
   double s[5] = {};
@@ -98,16 +98,16 @@ Result<void> read_terms(const Keys& keys, KeySide side, EyeParts& eye) {
     any_s = any_s || (*there && s[i] != 0.0);
   }
   if (most_k == 0 && !any_p) return {};
-  const bool fisheye = is_fisheye_name(eye.lens) || (eye.lens.empty() && most_k == 4 && !any_p);
+  const bool fisheye = is_fisheye_name(parts.lens) || (parts.lens.empty() && most_k == 4 && !any_p);
   if (fisheye) {
-    if (eye.lens.empty()) eye.lens = "equidistant";
-    eye.D = {k[1], k[2], k[3], k[4]};
+    if (parts.lens.empty()) parts.lens = "equidistant";
+    parts.D = {k[1], k[2], k[3], k[4]};
     return {};
   }
-  eye.D = {k[1], k[2], p[1], p[2], k[3]};
-  if (most_k > 3 || any_s) eye.D.insert(eye.D.end(), {k[4], k[5], k[6]});
-  if (any_s) eye.D.insert(eye.D.end(), {s[1], s[2], s[3], s[4]});
-  if (eye.lens.empty()) eye.lens = "pinhole";  // the terms have their names
+  parts.D = {k[1], k[2], p[1], p[2], k[3]};
+  if (most_k > 3 || any_s) parts.D.insert(parts.D.end(), {k[4], k[5], k[6]});
+  if (any_s) parts.D.insert(parts.D.end(), {s[1], s[2], s[3], s[4]});
+  if (parts.lens.empty()) parts.lens = "pinhole";  // the terms have their names
   return {};
 }
 
@@ -131,20 +131,20 @@ Result<std::string> lens_name(const Keys& keys, KeySide side) {
   return lens;
 }
 
-Result<void> read_lens(const Keys& keys, KeySide side, EyeParts& eye) {
+Result<void> read_lens(const Keys& keys, KeySide side, CameraParts& parts) {
   const auto lens = lens_name(keys, side);
   if (!lens) return lens.error();
-  eye.lens = *lens;
+  parts.lens = *lens;
   const auto D = own_or_common(keys, Quantity::distortion, side);
   if (!D) return D.error();
-  eye.D_where = eye.where;
-  if (*D == nullptr) return read_terms(keys, side, eye);
-  eye.D = (*D)->numbers;
-  eye.D_where = (*D)->where;
+  parts.D_where = parts.where;
+  if (*D == nullptr) return read_terms(keys, side, parts);
+  parts.D = (*D)->numbers;
+  parts.D_where = (*D)->where;
   return {};
 }
 
-Result<void> read_size(const Keys& keys, KeySide side, EyeParts& eye) {
+Result<void> read_size(const Keys& keys, KeySide side, CameraParts& parts) {
   for (const Quantity q : {Quantity::size, Quantity::shape}) {
     const auto list = own_or_common(keys, q, side);
     if (!list) return list.error();
@@ -153,8 +153,8 @@ Result<void> read_size(const Keys& keys, KeySide side, EyeParts& eye) {
     const auto size =
         q == Quantity::size ? size_from(v[0], v[1], (*list)->where) : size_from(v[1], v[0], (*list)->where);
     if (!size) return size.error();
-    eye.camera.width = size->first;
-    eye.camera.height = size->second;
+    parts.camera.width = size->first;
+    parts.camera.height = size->second;
     return {};
   }
   const auto width = number(keys, Quantity::width, side);
@@ -162,39 +162,39 @@ Result<void> read_size(const Keys& keys, KeySide side, EyeParts& eye) {
   const auto height = number(keys, Quantity::height, side);
   if (!height) return height.error();
   if (!*width || !*height) return {};
-  const auto size = size_from(**width, **height, eye.where);
+  const auto size = size_from(**width, **height, parts.where);
   if (!size) return size.error();
-  eye.camera.width = size->first;
-  eye.camera.height = size->second;
+  parts.camera.width = size->first;
+  parts.camera.height = size->second;
   return {};
 }
 
-Result<EyeParts> read_eye(const Keys& keys, KeySide side, const std::string& path) {
-  EyeParts eye;
-  eye.where = path;
+Result<CameraParts> read_parts(const Keys& keys, KeySide side, const std::string& path) {
+  CameraParts parts;
+  parts.where = path;
   const auto K = own_or_common(keys, Quantity::camera_matrix, side);
   if (!K) return K.error();
   if (*K != nullptr) {
-    if (auto ok = read_matrix(**K, eye); !ok) return ok.error();
+    if (auto ok = read_matrix(**K, parts); !ok) return ok.error();
   } else {
-    const auto there = read_focal_lengths(keys, side, eye.camera);
+    const auto there = read_focal_lengths(keys, side, parts.camera);
     if (!there) return Error{there.error().what, path + " (" + there.error().where + ")", there.error().remedy};
     if (!*there && side == KeySide::right) {  // one camera's numbers for both
-      if (const auto left = read_focal_lengths(keys, KeySide::left, eye.camera); !left) return left.error();
+      if (const auto left = read_focal_lengths(keys, KeySide::left, parts.camera); !left) return left.error();
     }
   }
-  if (auto ok = read_size(keys, side, eye); !ok) return ok.error();
-  if (auto ok = read_lens(keys, side, eye); !ok) return ok.error();
+  if (auto ok = read_size(keys, side, parts); !ok) return ok.error();
+  if (auto ok = read_lens(keys, side, parts); !ok) return ok.error();
   const auto P = keys.find(Quantity::projection, side);
   if (!P) return P.error();
-  if (*P != nullptr) eye.P = (*P)->numbers;
+  if (*P != nullptr) parts.P = (*P)->numbers;
   for (const Quantity q : {Quantity::rectification, Quantity::rotation}) {
     const auto R = keys.find(q, side);
     if (!R) return R.error();
-    if (*R == nullptr || (*R)->numbers.size() != 9 || eye.R) continue;
-    if (auto ok = put_rectification((*R)->numbers, (*R)->where, eye); !ok) return ok.error();
+    if (*R == nullptr || (*R)->numbers.size() != 9 || parts.R) continue;
+    if (auto ok = put_rectification((*R)->numbers, (*R)->where, parts); !ok) return ok.error();
   }
-  return eye;
+  return parts;
 }
 
 Result<Eigen::Matrix3d> rotation_of(const KeyEntry& R) {
@@ -220,7 +220,7 @@ Result<Pose> pose_of_matrices(const Keys& keys) {
     if (*T == nullptr) continue;
     const auto R = keys.find(Quantity::rotation, side);
     if (!R) return R.error();
-    if (*R == nullptr) return Error{"calibration lacks R, the rotation between the eyes", (*T)->where, "name it R"};
+    if (*R == nullptr) return Error{"calibration lacks R, the rotation between the cameras", (*T)->where, "name it R"};
     const auto rotation = rotation_of(**R);
     if (!rotation) return rotation.error();
     RigidTransform pose{*rotation, {(*T)->numbers[0], (*T)->numbers[1], (*T)->numbers[2]}};
@@ -231,7 +231,7 @@ Result<Pose> pose_of_matrices(const Keys& keys) {
       const auto R_left = keys.find(Quantity::rotation, KeySide::left);
       if (!T_left) return T_left.error();
       if (!R_left) return R_left.error();
-      if (*R_left == nullptr) return Error{"calibration lacks the left eye's rotation", (*T_left)->where, "add it"};
+      if (*R_left == nullptr) return Error{"calibration lacks the left camera's rotation", (*T_left)->where, "add it"};
       const auto left = rotation_of(**R_left);
       if (!left) return left.error();
       const std::vector<double>& t = (*T_left)->numbers;
@@ -279,7 +279,7 @@ Result<std::optional<double>> baseline_of(const Keys& keys, double fx_px) {
 }
 
 // ORB-SLAM2's and stella_vslam's rectified camera beside the raw ones: Camera.fx and so on, with Camera.bf.
-Result<void> add_projections(const Keys& keys, EyeParts& left, EyeParts& right) {
+Result<void> add_projections(const Keys& keys, CameraParts& left, CameraParts& right) {
   if (!left.P.empty() || !right.P.empty() || !left.R || !right.R) return {};
   CameraCalibration rectified;
   const auto there = read_focal_lengths(keys, KeySide::none, rectified);
@@ -295,9 +295,9 @@ Result<void> add_projections(const Keys& keys, EyeParts& left, EyeParts& right) 
 }
 
 Result<StereoCalibration> rig_of(const Keys& keys, const std::string& path, const CalibrationRequest& request) {
-  Result<EyeParts> left = read_eye(keys, KeySide::left, path);
+  Result<CameraParts> left = read_parts(keys, KeySide::left, path);
   if (!left) return left.error();
-  Result<EyeParts> right = read_eye(keys, KeySide::right, path);
+  Result<CameraParts> right = read_parts(keys, KeySide::right, path);
   if (!right) return right.error();
   if (auto ok = add_projections(keys, *left, *right); !ok) return ok.error();
   Result<Pose> pose = pose_of_matrices(keys);
@@ -310,18 +310,18 @@ Result<StereoCalibration> rig_of(const Keys& keys, const std::string& path, cons
     return rig_of_projections(*left, *right, std::nullopt, request);
   }
   if (left->camera.fx_px <= 0.0 || right->camera.fx_px <= 0.0) {
-    return calibration_error("calibration lacks the camera matrix of an eye", path);
+    return calibration_error("calibration lacks the left or the right camera's matrix", path);
   }
-  if (!*pose) {  // parallel eyes
+  if (!*pose) {  // parallel cameras
     const auto baseline = baseline_of(keys, left->camera.fx_px);
     if (!baseline) return baseline.error();
     if (!*baseline) {
-      return Error{"calibration lacks the pose of the right eye", path,
+      return Error{"calibration lacks the pose of the right camera", path,
                    "it needs R and T, a 4x4 transform, projections P1 and P2, a baseline, or Camera.bf"};
     }
     *pose = RigidTransform{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}};
   }
-  // Rotations of eyes with a translation each are poses, no rectification.
+  // Rotations of cameras with a translation each are poses, no rectification.
   if (keys.has(Quantity::translation, KeySide::right)) left->R = right->R = std::nullopt;
   return rig_of_pose(*left, *right, **pose, request);
 }
@@ -389,7 +389,7 @@ Result<StereoCalibration> read_keyed(const CalibrationText& file, const Calibrat
   if (!second && projections && !keys.has(Quantity::translation)) return rig_of(keys, file.path, request);
   if (!second && !cameras && add_cameras_beside(file.path, other, keys)) return rig_of(keys, file.path, request);
   if (!second) {
-    return cameras ? Error{"calibration lacks R and T between the eyes", file.path, "name the stereo file"}
+    return cameras ? Error{"calibration lacks R and T between the cameras", file.path, "name the stereo file"}
                    : Error{"calibration lacks the camera matrices", file.path,
                            "name the file that holds them too, or put them beside it as left.yml and right.yml"};
   }

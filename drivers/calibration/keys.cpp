@@ -135,7 +135,7 @@ void Keys::leaf(const DocumentNode& node, const std::string& file, const std::st
   if (entry.meaning.quantity != Quantity::none) entries_.push_back(std::move(entry));
 }
 
-// Which eye a camera's number is: the smaller of two is the left one's; a single one beside none is the right one's.
+// Which side a camera's number stands for: of two the smaller is the left one's; a single one beside none is the right.
 void Keys::settle_numbers() {
   std::set<int> numbers;
   bool plain = false;

@@ -26,9 +26,9 @@ class Keys {
   explicit Keys(const Document& document) { add(document); }
 
   void add(const Document& document);
-  // The one of an eye; without eye where `side` is none; nullptr = there is none. An Error where two differ.
+  // The one of this side; of neither where it is none; nullptr = there is none. An Error where two differ.
   Result<const KeyEntry*> find(Quantity quantity, KeySide side, int index = 0) const;
-  // All words that name a lens, for an eye or for both.
+  // All words that name a lens, for a camera or for both.
   std::vector<const KeyEntry*> lenses(KeySide side) const;
   bool has(Quantity quantity, KeySide side) const;
   bool has(Quantity quantity) const;

@@ -58,7 +58,7 @@ CameraCalibration pinhole(const Projection& p) {
   return camera;
 }
 
-// Both eyes by their projections; finish_calibration() finds that nothing needs warping where f and cy agree.
+// Both cameras by their projections; finish_calibration() finds that nothing needs warping where f and cy agree.
 StereoCalibration pair_of(const Projection& left, const Projection& right) {
   StereoCalibration c;
   c.left = pinhole(left);
@@ -128,23 +128,23 @@ std::set<std::string> cameras_of(const std::vector<TextLine>& lines) {
   return out;
 }
 
-struct Eyes {
+struct CameraNames {
   std::string left;
   std::string right;
 };
 
 // The layout's cameras where the file has them, else the two that it has: the left one sees things farther right.
-Result<Eyes> eyes_of(const CalibrationText& file, const CalibrationRequest& request) {
-  Eyes eyes{fmt::format("{:02}", request.left_camera), fmt::format("{:02}", request.right_camera)};
+Result<CameraNames> camera_names(const CalibrationText& file, const CalibrationRequest& request) {
+  CameraNames names{fmt::format("{:02}", request.left_camera), fmt::format("{:02}", request.right_camera)};
   const std::set<std::string> cameras = cameras_of(file.lines);
-  if (cameras.count(eyes.left) + cameras.count(eyes.right) > 0 || cameras.size() != 2) return eyes;
-  eyes = {*cameras.begin(), *std::next(cameras.begin())};
-  const auto first = projection_of(file.lines, "P_rect_" + eyes.left, file.path);
+  if (cameras.count(names.left) + cameras.count(names.right) > 0 || cameras.size() != 2) return names;
+  names = {*cameras.begin(), *std::next(cameras.begin())};
+  const auto first = projection_of(file.lines, "P_rect_" + names.left, file.path);
   if (!first) return first.error();
-  const auto second = projection_of(file.lines, "P_rect_" + eyes.right, file.path);
+  const auto second = projection_of(file.lines, "P_rect_" + names.right, file.path);
   if (!second) return second.error();
-  if (second->shift_m > first->shift_m) std::swap(eyes.left, eyes.right);
-  return eyes;
+  if (second->shift_m > first->shift_m) std::swap(names.left, names.right);
+  return names;
 }
 
 // Halved files of DrivingStereo keep the P[3] of the whole image: T tells the baseline.
@@ -186,10 +186,10 @@ Result<StereoCalibration> read_kitti_raw(const CalibrationText& file, const Cali
                                          const OtherFile& /*other*/) {
   const std::vector<TextLine>& lines = file.lines;
   const std::string& path = file.path;
-  const Result<Eyes> eyes = eyes_of(file, request);
-  if (!eyes) return eyes.error();
-  const std::string& l = eyes->left;
-  const std::string& r = eyes->right;
+  const Result<CameraNames> names = camera_names(file, request);
+  if (!names) return names.error();
+  const std::string& l = names->left;
+  const std::string& r = names->right;
 
   Result<StereoCalibration> rectified = raw_rectified_part(lines, l, r, path);
   if (!rectified) return rectified.error();
@@ -234,7 +234,7 @@ Result<StereoCalibration> read_kitti_raw(const CalibrationText& file, const Cali
   const CameraCalibration& rr = rectified->right;
   if (std::abs(rr.fx_px - p.model.fx_px) > 1e-6 || std::abs(rr.fy_px - p.model.fy_px) > 1e-6 ||
       std::abs(rr.cy_px - p.model.cy_px) > 1e-6) {
-    return calibration_error("P_rect of the eyes have unequal focal lengths or rows", path);
+    return calibration_error("P_rect of the cameras have unequal focal lengths or rows", path);
   }
   c.prescribed = p;
   return finish_calibration(c, request);

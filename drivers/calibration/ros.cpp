@@ -1,17 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// ROS: camera_info of each eye as YAML, or the text that its calibrator prints (ost.txt).
+// ROS: camera_info of each camera as YAML, or the text that its calibrator prints (ost.txt).
 #include <fmt/format.h>
 
-#include "drivers/calibration/eye_parts.h"
+#include "drivers/calibration/camera_parts.h"
 #include "drivers/calibration/formats.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-Result<EyeParts> read_info(const Document& yaml) {
-  EyeParts eye;
-  eye.where = yaml.path();
+Result<CameraParts> read_info(const Document& yaml) {
+  CameraParts parts;
+  parts.where = yaml.path();
   const auto required = [&](std::initializer_list<const char*> names, const char* name) {
     const std::string key = yaml.first_of(names);
     return key.empty() ? std::string(name) : key;
@@ -19,39 +19,39 @@ Result<EyeParts> read_info(const Document& yaml) {
   const std::string k = required({"camera_matrix", "K", "k"}, "camera_matrix");
   const Result<std::vector<double>> K = yaml.numbers(k, 9);
   if (!K) return K.error();
-  if (const auto ok = put_camera_matrix(*K, yaml.where(k), eye); !ok) return ok.error();
+  if (const auto ok = put_camera_matrix(*K, yaml.where(k), parts); !ok) return ok.error();
   const std::string d =
       required({"distortion_coefficients", "distortion_coefficents", "D", "d"}, "distortion_coefficients");
   const Result<std::vector<double>> D = yaml.numbers(d);
   if (!D) return D.error();
-  eye.D = *D;
-  eye.D_where = yaml.where(d);
-  eye.lens = yaml.word("distortion_model");
-  if (eye.lens.empty() && D->size() == 4) eye.lens = "plumb_bob";  // ROS' own default
+  parts.D = *D;
+  parts.D_where = yaml.where(d);
+  parts.lens = yaml.word("distortion_model");
+  if (parts.lens.empty() && D->size() == 4) parts.lens = "plumb_bob";  // ROS' own default
   if (const std::string r = yaml.first_of({"rectification_matrix", "R", "r"}); !r.empty()) {
     const Result<std::vector<double>> R = yaml.numbers(r, 9);
     if (!R) return R.error();
-    if (const auto ok = put_rectification(*R, yaml.where(r), eye); !ok) return ok.error();
+    if (const auto ok = put_rectification(*R, yaml.where(r), parts); !ok) return ok.error();
   } else {
-    eye.R = Eigen::Matrix3d::Identity();
+    parts.R = Eigen::Matrix3d::Identity();
   }
   const Result<std::vector<double>> P =
       yaml.numbers(required({"projection_matrix", "P", "p"}, "projection_matrix"), 12);
   if (!P) return P.error();
-  eye.P = *P;
+  parts.P = *P;
   const auto size = yaml.image_size();
   if (!size) return size.error();
   if (*size) {
-    eye.camera.width = (*size)->first;
-    eye.camera.height = (*size)->second;
+    parts.camera.width = (*size)->first;
+    parts.camera.height = (*size)->second;
   }
-  return eye;
+  return parts;
 }
 
 Result<StereoCalibration> read_pair(const Document& left, const Document& right, const CalibrationRequest& request) {
-  const Result<EyeParts> l = read_info(left);
+  const Result<CameraParts> l = read_info(left);
   if (!l) return l.error();
-  const Result<EyeParts> r = read_info(right);
+  const Result<CameraParts> r = read_info(right);
   if (!r) return r.error();
   std::optional<Eigen::Vector3d> T;
   if (right.has("T")) {
@@ -62,26 +62,26 @@ Result<StereoCalibration> read_pair(const Document& left, const Document& right,
   return rig_of_projections(*l, *r, T, request);
 }
 
-// ost.txt: words on a line of their own are a key, the numbers below them its value; [name/left] begins an eye.
+// ost.txt: words on a line of their own are a key, the numbers below them its value; [name/left] begins a camera.
 // One map of keys a camera.
-std::vector<Document> ost_eyes(std::string_view text, const std::string& path) {
-  std::vector<Document> eyes;
-  DocumentNode eye;
-  eye.kind = DocumentNode::Kind::map;
+std::vector<Document> ost_cameras(std::string_view text, const std::string& path) {
+  std::vector<Document> cameras;
+  DocumentNode camera;
+  camera.kind = DocumentNode::Kind::map;
   const auto finish = [&] {
-    if (eye.find("camera_matrix") != nullptr) eyes.push_back(Document::of(eye, path));
-    eye.entries.clear();
+    if (camera.find("camera_matrix") != nullptr) cameras.push_back(Document::of(camera, path));
+    camera.entries.clear();
   };
   for (const TextLine& line : split_lines(text)) {
     if (line.text.front() == '[') {
       // A new camera's part begins at [image], or at the second section with matrices.
-      if (line.text == "[image]" || eye.find("camera_matrix") != nullptr) {
-        const DocumentNode* width = eye.find("width");
-        const DocumentNode* height = eye.find("height");
+      if (line.text == "[image]" || camera.find("camera_matrix") != nullptr) {
+        const DocumentNode* width = camera.find("width");
+        const DocumentNode* height = camera.find("height");
         std::vector<DocumentEntry> size;
         if (width != nullptr && height != nullptr) size = {{"width", *width}, {"height", *height}};
         finish();
-        if (line.text != "[image]") eye.entries = std::move(size);
+        if (line.text != "[image]") camera.entries = std::move(size);
       }
       continue;
     }
@@ -93,28 +93,28 @@ std::vector<Document> ost_eyes(std::string_view text, const std::string& path) {
       DocumentNode value;
       value.kind = DocumentNode::Kind::scalar;
       value.line = line.number;
-      if (eye.entries.size() < 100) eye.entries.push_back({std::move(key), std::move(value)});
+      if (camera.entries.size() < 100) camera.entries.push_back({std::move(key), std::move(value)});
       continue;
     }
-    if (eye.entries.empty()) continue;
-    std::string& value = eye.entries.back().node.scalar;
+    if (camera.entries.empty()) continue;
+    std::string& value = camera.entries.back().node.scalar;
     if (value.size() > 10000) continue;
     value += ' ';
     value += line.text;
   }
   finish();
-  return eyes;
+  return cameras;
 }
 
 // The keys of ost.txt by their names in YAML.
-Document as_camera_info(const Document& eye) {
-  DocumentNode root = eye.root();
+Document as_camera_info(const Document& camera) {
+  DocumentNode root = camera.root();
   for (auto& [key, node] : root.entries) {
     if (key == "distortion") key = "distortion_coefficients";
     if (key == "rectification") key = "rectification_matrix";
     if (key == "projection") key = "projection_matrix";
   }
-  return Document::of(std::move(root), eye.path());
+  return Document::of(std::move(root), camera.path());
 }
 
 }  // namespace
@@ -126,9 +126,9 @@ bool is_ros(const CalibrationText& file) {
 
 Result<StereoCalibration> read_ros(const CalibrationText& file, const CalibrationRequest& request,
                                    const OtherFile& other) {
-  const Result<Document> second = read_other(other, other_eye_paths(file.path));
+  const Result<Document> second = read_other(other, other_camera_paths(file.path));
   if (!second) return second.error();
-  const bool swapped = is_right_eye(file.path);
+  const bool swapped = is_right_camera(file.path);
   return read_pair(swapped ? *second : *file.document, swapped ? *file.document : *second, request);
 }
 
@@ -143,21 +143,21 @@ bool is_ost(const CalibrationText& file) {
 
 Result<StereoCalibration> read_ost(const CalibrationText& file, const CalibrationRequest& request,
                                    const OtherFile& other) {
-  std::vector<Document> eyes = ost_eyes(file.text, file.path);
-  if (eyes.size() == 1) {
-    const Result<NamedText> second = other(other_eye_paths(file.path));
+  std::vector<Document> cameras = ost_cameras(file.text, file.path);
+  if (cameras.size() == 1) {
+    const Result<NamedText> second = other(other_camera_paths(file.path));
     if (!second) return second.error();
-    std::vector<Document> more = ost_eyes(second->text, second->path);
+    std::vector<Document> more = ost_cameras(second->text, second->path);
     if (more.empty()) return Error{"calibration lacks a camera matrix", second->path, "copy it again"};
-    eyes.insert(is_right_eye(file.path) ? eyes.begin() : eyes.end(), more.front());
+    cameras.insert(is_right_camera(file.path) ? cameras.begin() : cameras.end(), more.front());
   }
-  if (eyes.size() != 2) {
-    return Error{fmt::format("calibration is of {} cameras instead of 2", eyes.size()), file.path,
-                 "name the text of both eyes, or of one with that of the other beside it"};
+  if (cameras.size() != 2) {
+    return Error{fmt::format("calibration is of {} cameras instead of 2", cameras.size()), file.path,
+                 "name the text of both cameras, or of one with that of the other beside it"};
   }
-  // The first is the left eye's unless its projection says that it is the right one's.
-  Document left = as_camera_info(eyes[0]);
-  Document right = as_camera_info(eyes[1]);
+  // The first is the left camera's unless its projection says that it is the right one's.
+  Document left = as_camera_info(cameras[0]);
+  Document right = as_camera_info(cameras[1]);
   const auto P_left = left.numbers("projection_matrix", 12);
   const auto P_right = right.numbers("projection_matrix", 12);
   if (P_left && P_right && (*P_left)[3] < 0.0 && (*P_right)[3] == 0.0) std::swap(left, right);

@@ -113,7 +113,7 @@ Result<void> settle_size(StereoCalibration& c, const CalibrationRequest& request
   const CameraCalibration& l = c.left;
   if (l.width != c.right.width || l.height != c.right.height) {
     return calibration_error(
-        fmt::format("eyes have unequal sizes ({}x{} and {}x{})", l.width, l.height, c.right.width, c.right.height),
+        fmt::format("cameras have unequal sizes ({}x{} and {}x{})", l.width, l.height, c.right.width, c.right.height),
         request.path);
   }
   if (request.width <= 0 || (l.width == request.width && l.height == request.height)) return {};

@@ -79,13 +79,13 @@ bool is_vins(const CalibrationText& file) { return file.has("body_T_cam0") || fi
 Result<StereoCalibration> read_vins(const CalibrationText& file, const CalibrationRequest& request,
                                     const OtherFile& other) {
   StereoCalibration c;
-  RigidTransform T_body_eye[2];
-  for (int eye = 0; eye < 2; ++eye) {
-    const std::string pose = fmt::format("body_T_cam{}", eye);
+  RigidTransform T_body_camera[2];
+  for (int side = 0; side < 2; ++side) {
+    const std::string pose = fmt::format("body_T_cam{}", side);
     const auto T = file.document->transform(pose);
     if (!T) return T.error();
-    T_body_eye[eye] = *T;
-    const std::string key = fmt::format("cam{}_calib", eye);
+    T_body_camera[side] = *T;
+    const std::string key = fmt::format("cam{}_calib", side);
     const std::string name = file.document->word(key);
     if (name.empty() || name.find('/') != std::string::npos || printable(name) != name) {
       return Error{"calibration names no file of intrinsics", file.document->where(key),
@@ -95,9 +95,9 @@ Result<StereoCalibration> read_vins(const CalibrationText& file, const Calibrati
     if (!document) return document.error();
     const auto camera = read_camera(*document);
     if (!camera) return camera.error();
-    (eye == 0 ? c.left : c.right) = *camera;
+    (side == 0 ? c.left : c.right) = *camera;
   }
-  c.T_right_left = T_body_eye[1].inverse() * T_body_eye[0];
+  c.T_right_left = T_body_camera[1].inverse() * T_body_camera[0];
   return finish_calibration(c, request);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stereolabs' SN<number>.conf: the factory's calibration of a ZED, a section an eye and resolution; lengths in mm.
+// Stereolabs' SN<number>.conf: the factory's calibration of a ZED, a section per camera and resolution; lengths in mm.
 #include <array>
 #include <cstdlib>
 
@@ -106,7 +106,7 @@ Result<StereoCalibration> read_zed(const CalibrationText& file, const Calibratio
     if (!value) return value.error();
     turn[axis++] = *value;
   }
-  if (turn.norm() > 1.0) return calibration_error("turn between the eyes is absurd", document.where("STEREO"));
+  if (turn.norm() > 1.0) return calibration_error("turn between the cameras is absurd", document.where("STEREO"));
   const auto baseline_mm = stereo->number("Baseline");
   if (!baseline_mm) return baseline_mm.error();
   const auto y_mm = stereo_value(*stereo, "TY", resolution->name);

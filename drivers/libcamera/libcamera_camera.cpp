@@ -161,13 +161,13 @@ Result<void> LibcameraCamera::configure(const CameraOptions& options) {
                  fmt::format("it offers {}", fmt::join(names, ", "))};
   }
   stream.pixelFormat = wanted;
-  const int eyes = eye_width(options.layout, to_v4l2(wanted), 2) == 2 ? 1 : 2;
-  if (options.width > 0) stream.size.width = static_cast<unsigned>(options.width * eyes);
+  const int images = image_width(options.layout, to_v4l2(wanted), 2) == 2 ? 1 : 2;
+  if (options.width > 0) stream.size.width = static_cast<unsigned>(options.width * images);
   if (options.height > 0) stream.size.height = static_cast<unsigned>(options.height);
   stream.bufferCount = kBuffers;
   if (configuration_->validate() == libcamera::CameraConfiguration::Invalid) return refused("the configuration");
   const bool as_wanted = stream.pixelFormat == wanted &&
-                         (options.width == 0 || stream.size.width == static_cast<unsigned>(options.width * eyes)) &&
+                         (options.width == 0 || stream.size.width == static_cast<unsigned>(options.width * images)) &&
                          (options.height == 0 || stream.size.height == static_cast<unsigned>(options.height));
   if (!as_wanted) {
     return Error{"camera refuses the size", id_,

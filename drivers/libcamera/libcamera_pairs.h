@@ -29,8 +29,8 @@ class LibcameraPairs {
 
  private:
   explicit LibcameraPairs(const CameraOptions& options) : options_(options) {}
-  Result<std::unique_ptr<LibcameraCamera>> open_eye(Eye eye, OpenTrouble& trouble);
-  void hand_on(Eye eye, const LibcameraFrame& frame);
+  Result<std::unique_ptr<LibcameraCamera>> open_camera(CameraSide side, OpenTrouble& trouble);
+  void hand_on(CameraSide side, const LibcameraFrame& frame);
   void watch();
 
   CameraOptions options_;
@@ -38,7 +38,7 @@ class LibcameraPairs {
   int height_ = 0;
   std::uint32_t fourcc_ = 0;
   std::unique_ptr<LivePairs> pairs_;
-  Image<std::uint8_t> grey_[2][2];               // libcamera's thread's: eye of the camera, half of its frame
+  Image<std::uint8_t> grey_[2][2];               // libcamera's thread's: of each camera, half of its frame
   std::unique_ptr<LibcameraCamera> cameras_[2];  // once it runs, the watching thread's
   std::atomic<bool> stop_{false};
   std::thread watcher_;

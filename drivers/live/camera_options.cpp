@@ -14,8 +14,9 @@ Error bad(const char* key, const char* remedy) { return {"configuration value ou
 
 Result<void> CameraOptions::check_names() const {
   if (left.empty()) return bad("left", "name a camera (`cliquevo cameras` lists them)");
-  if (layout == EyeLayout::two_cameras && right.empty()) return bad("right", "name the right eye's camera");
-  if (layout == EyeLayout::two_cameras && right == left) return bad("right", "name another camera than the left one");
+  if (layout == CameraLayout::two_cameras && right.empty()) return bad("right", "name the right camera");
+  if (layout == CameraLayout::two_cameras && right == left)
+    return bad("right", "name another camera than the left one");
   if (calibration.empty()) return bad("calibration", "name the cameras' calibration");
   return {};
 }

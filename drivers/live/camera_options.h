@@ -18,9 +18,9 @@ enum class CameraTrigger {
   hardware,  // a signal on trigger_line
   action,    // one packet for both (GigE Vision action command)
 };
-enum class EyeLayout {
+enum class CameraLayout {
   two_cameras,
-  side_by_side,  // one camera, both eyes in one image: left half, right half
+  side_by_side,  // one camera, both images in one: left half, right half
   interleaved,   // one camera, pixel by pixel in turn: left, right
 };
 
@@ -32,26 +32,26 @@ enum class OpenTrouble {
 };
 
 struct CameraOptions {
-  std::string left;         // serial number, address, stable name or path; with one camera for both eyes this one alone
+  std::string left;         // serial number, address, stable name or path; one camera for both images: this one alone
   std::string right;        //
   std::string calibration;  // file or folder
   CalibrationOptions calibration_options;
   double rate_hz = 30.0;
-  int width = 0;  // of one eye's image [px]; 0 = as the camera is set
+  int width = 0;  // of one image [px]; 0 = as the camera is set
   int height = 0;
   int offset_x = 0;  // where the region of interest begins [px]
   int offset_y = 0;
   int binning = 1;
   std::string pixel_format;           // empty = grey with 8 bits where offered
-  std::optional<double> exposure_us;  // none: the left eye's own control, followed by the right
+  std::optional<double> exposure_us;  // none: the left camera's own control, followed by the right
   std::optional<double> gain;         // likewise, in the camera's unit
   CameraTrigger trigger = CameraTrigger::off;
   std::string trigger_line = "Line1";
-  bool shared_clock = false;  // both eyes stamp by one clock
+  bool shared_clock = false;  // both cameras stamp by one clock
   bool ptp = false;           // switch it on, where the cameras offer it
   int packet_size = 0;        // bytes; 0 = as large as gets through
   bool packet_resend = true;
-  EyeLayout layout = EyeLayout::two_cameras;
+  CameraLayout layout = CameraLayout::two_cameras;
   std::string controls;   // further ones by name: "name=value,name=value"
   std::string left_mask;  // image files, 0 = the vehicle's own parts
   std::string right_mask;

@@ -10,7 +10,7 @@ namespace cliquevo::drivers {
 
 namespace {
 
-constexpr std::uint32_t kMostFrames = 128;  // of an eye: more than the pairing ever holds
+constexpr std::uint32_t kMostFrames = 128;  // of a camera: more than the pairing ever holds
 constexpr std::size_t kMostReady = 4;
 constexpr std::int64_t kUtcWithinNs = 1'000'000'000;  // a clock this near the host's is on UTC itself
 constexpr double kClockRise = 1e-3;                   // share of a late arrival by which the offset follows drift
@@ -34,13 +34,13 @@ TimestampNs HostClock::to_utc(TimestampNs stamp_ns, TimestampNs arrival_utc_ns) 
   return stamp_ns + base_ns_ + std::llround(offset_ns_);
 }
 
-void EyeRate::add(TimestampNs stamp_ns) {
+void CameraRate::add(TimestampNs stamp_ns) {
   if (begun_ && stamp_ns > last_ns_) intervals_ns_[count_++ % kIntervals] = stamp_ns - last_ns_;
   begun_ = true;
   last_ns_ = stamp_ns;
 }
 
-double EyeRate::hz() const {
+double CameraRate::hz() const {
   if (count_ < kIntervals) return 0.0;
   auto sorted = intervals_ns_;
   const auto middle = sorted.begin() + kIntervals / 2;
@@ -51,12 +51,12 @@ double EyeRate::hz() const {
 LivePairs::LivePairs(const PairSyncOptions& options, int width, int height)
     : width_(width), height_(height), sync_(options), rate_hz_(options.rate_hz) {}
 
-bool LivePairs::keep(Eye eye, const LiveFrame& frame, std::uint32_t& token) {
+bool LivePairs::keep(CameraSide camera, const LiveFrame& frame, std::uint32_t& token) {
   if (!frame.image.same_size(width_, height_)) {
-    ++incomplete_[static_cast<std::size_t>(eye)];
+    ++incomplete_[static_cast<std::size_t>(camera)];
     return false;
   }
-  Store& s = store(eye);
+  Store& s = store(camera);
   if (s.free.empty()) {
     if (s.frames.size() >= kMostFrames) {
       ++overrun_;
@@ -72,12 +72,12 @@ bool LivePairs::keep(Eye eye, const LiveFrame& frame, std::uint32_t& token) {
   return true;
 }
 
-void LivePairs::give_back(Eye eye, std::uint32_t token) { store(eye).free.push_back(token); }
+void LivePairs::give_back(CameraSide camera, std::uint32_t token) { store(camera).free.push_back(token); }
 
 void LivePairs::make_ready(const Ready& pair) {
   if (ready_.size() == kMostReady) {
-    give_back(Eye::left, ready_.front().left);
-    give_back(Eye::right, ready_.front().right);
+    give_back(CameraSide::left, ready_.front().left);
+    give_back(CameraSide::right, ready_.front().right);
     ready_.pop_front();
     if (index_ > 0) ++overrun_;  // before the first is taken nobody waits for them
   }
@@ -86,24 +86,25 @@ void LivePairs::make_ready(const Ready& pair) {
 }
 
 void LivePairs::take_outcome() {
-  for (const SyncReleased& released : outcome_.released) give_back(released.eye, released.token);
+  for (const SyncReleased& released : outcome_.released) give_back(released.camera, released.token);
   for (const SyncPair& pair : outcome_.pairs) {
-    make_ready({pair.left, pair.right, pair.stamp_ns, pair.skew_ns, store(Eye::left).frames[pair.left].arrival_utc_ns});
+    make_ready(
+        {pair.left, pair.right, pair.stamp_ns, pair.skew_ns, store(CameraSide::left).frames[pair.left].arrival_utc_ns});
   }
-  for (const Eye eye : {Eye::left, Eye::right}) {
-    std::int64_t& most = most_waiting_[static_cast<std::size_t>(eye)];
-    most = std::max(most, sync_.waiting(eye));
+  for (const CameraSide camera : {CameraSide::left, CameraSide::right}) {
+    std::int64_t& most = most_waiting_[static_cast<std::size_t>(camera)];
+    most = std::max(most, sync_.waiting(camera));
   }
   if (!outcome_.pairs.empty()) changed_.notify_all();
   outcome_.clear();
 }
 
-void LivePairs::push(Eye eye, const LiveFrame& frame) {
+void LivePairs::push(CameraSide camera, const LiveFrame& frame) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  rates_[static_cast<std::size_t>(eye)].add(frame.stamp_ns);
+  rates_[static_cast<std::size_t>(camera)].add(frame.stamp_ns);
   std::uint32_t token = 0;
-  if (!keep(eye, frame, token)) return;
-  sync_.push(eye, {frame.stamp_ns, frame.arrival_mono_ns, token, frame.sequence}, outcome_);
+  if (!keep(camera, frame, token)) return;
+  sync_.push(camera, {frame.stamp_ns, frame.arrival_mono_ns, token, frame.sequence}, outcome_);
   take_outcome();
 }
 
@@ -112,9 +113,9 @@ void LivePairs::push_pair(const LiveFrame& left, const LiveFrame& right) {
   one_camera_ = true;
   std::uint32_t left_token = 0;
   std::uint32_t right_token = 0;
-  if (!keep(Eye::left, left, left_token)) return;
-  if (!keep(Eye::right, right, right_token)) {
-    give_back(Eye::left, left_token);
+  if (!keep(CameraSide::left, left, left_token)) return;
+  if (!keep(CameraSide::right, right, right_token)) {
+    give_back(CameraSide::left, left_token);
     return;
   }
   last_pair_mono_ns_ = left.arrival_mono_ns;
@@ -122,19 +123,19 @@ void LivePairs::push_pair(const LiveFrame& left, const LiveFrame& right) {
   changed_.notify_all();
 }
 
-void LivePairs::count_incomplete(Eye eye) {
+void LivePairs::count_incomplete(CameraSide camera) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  ++incomplete_[static_cast<std::size_t>(eye)];
+  ++incomplete_[static_cast<std::size_t>(camera)];
 }
 
-void LivePairs::count_flawed(Eye eye) {
+void LivePairs::count_flawed(CameraSide camera) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  ++flawed_[static_cast<std::size_t>(eye)];
+  ++flawed_[static_cast<std::size_t>(camera)];
 }
 
-void LivePairs::set_state(Eye eye, const std::string& text) {
+void LivePairs::set_state(CameraSide camera, const std::string& text) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  states_[static_cast<std::size_t>(eye)] = text;
+  states_[static_cast<std::size_t>(camera)] = text;
 }
 
 bool LivePairs::next(StereoPair& pair) {
@@ -153,10 +154,10 @@ bool LivePairs::next(StereoPair& pair) {
   pair.host_ns = ready.arrival_utc_ns;
   pair.truth_T_world_camera.reset();
   // The storage changes hands: nothing is copied.
-  std::swap(pair.left, store(Eye::left).frames[ready.left].image);
-  std::swap(pair.right, store(Eye::right).frames[ready.right].image);
-  give_back(Eye::left, ready.left);
-  give_back(Eye::right, ready.right);
+  std::swap(pair.left, store(CameraSide::left).frames[ready.left].image);
+  std::swap(pair.right, store(CameraSide::right).frames[ready.right].image);
+  give_back(CameraSide::left, ready.left);
+  give_back(CameraSide::right, ready.right);
   return true;
 }
 
@@ -169,16 +170,16 @@ void LivePairs::interrupt() {
 std::string LivePairs::status() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   std::string out;
-  for (const std::size_t eye : {std::size_t{0}, std::size_t{1}}) {
-    if (!states_[eye].empty()) out += (eye == 0 ? "left eye: " : "right eye: ") + states_[eye] + "; ";
+  for (const std::size_t camera : {std::size_t{0}, std::size_t{1}}) {
+    if (!states_[camera].empty()) out += (camera == 0 ? "left camera: " : "right camera: ") + states_[camera] + "; ";
   }
   if (one_camera_) {
     out += monotonic_ns() - last_pair_mono_ns_ > kSilentNs ? "camera silent" : "";
   } else {
     out += sync_state_name(sync_.state());
   }
-  const SyncCounts& left = sync_.counts(Eye::left);
-  const SyncCounts& right = sync_.counts(Eye::right);
+  const SyncCounts& left = sync_.counts(CameraSide::left);
+  const SyncCounts& right = sync_.counts(CameraSide::right);
   const auto add = [&out](const char* name, std::int64_t l, std::int64_t r) {
     if (l + r > 0) out += ", " + std::string(name) + " " + std::to_string(l) + "/" + std::to_string(r);
   };
@@ -194,7 +195,7 @@ std::string LivePairs::status() const {
   const auto off = [this](double hz) { return hz > 0.0 && std::abs(hz - rate_hz_) > kRateOff * rate_hz_; };
   if (off(left_hz) || off(right_hz)) {
     char text[160];
-    std::snprintf(text, sizeof text, ", the eyes send %.1f and %.1f Hz where rate_hz is %.1f: give both that rate",
+    std::snprintf(text, sizeof text, ", the cameras send %.1f and %.1f Hz where rate_hz is %.1f: give both that rate",
                   left_hz, right_hz, rate_hz_);
     out += text;
   }
@@ -210,14 +211,14 @@ std::string LivePairs::queues() const {
          std::to_string(most_waiting_[1]) + ", " + out;
 }
 
-std::int64_t LivePairs::incomplete(Eye eye) const {
+std::int64_t LivePairs::incomplete(CameraSide camera) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return incomplete_[static_cast<std::size_t>(eye)];
+  return incomplete_[static_cast<std::size_t>(camera)];
 }
 
-SyncCounts LivePairs::sync_counts(Eye eye) const {
+SyncCounts LivePairs::sync_counts(CameraSide camera) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return sync_.counts(eye);
+  return sync_.counts(camera);
 }
 
 std::int64_t LivePairs::overrun() const {

@@ -29,9 +29,9 @@ class HostClock {
   std::int64_t base_ns_ = 0;
 };
 
-// How often an eye's camera exposes, by its own clock: the median of its last intervals, so that lost frames do not
+// How often a camera exposes, by its own clock: the median of its last intervals, so that lost frames do not
 // count.
-class EyeRate {
+class CameraRate {
  public:
   void add(TimestampNs stamp_ns);
   double hz() const;  // 0 = not known yet
@@ -58,14 +58,14 @@ class LivePairs {
   LivePairs(const PairSyncOptions& options, int width, int height);
 
   // The cameras' threads. The image is copied; one of another size is an incomplete frame.
-  void push(Eye eye, const LiveFrame& frame);
-  // One camera for both eyes: a pair as it stands.
+  void push(CameraSide camera, const LiveFrame& frame);
+  // One camera for both images: a pair as it stands.
   void push_pair(const LiveFrame& left, const LiveFrame& right);
-  void count_incomplete(Eye eye);
+  void count_incomplete(CameraSide camera);
   // A frame that was taken although its decoder warned.
-  void count_flawed(Eye eye);
-  // What the eye's camera is up to ("reconnecting"); empty = it streams.
-  void set_state(Eye eye, const std::string& text);
+  void count_flawed(CameraSide camera);
+  // What the camera is up to ("reconnecting"); empty = it streams.
+  void set_state(CameraSide camera, const std::string& text);
 
   // The next pair; sleeps until there is one. false: interrupted.
   bool next(StereoPair& pair);
@@ -74,8 +74,8 @@ class LivePairs {
   std::string status() const;
   // How deep its queues have been: frames that wait for their partner, and pairs for who takes them.
   std::string queues() const;
-  std::int64_t incomplete(Eye eye) const;
-  SyncCounts sync_counts(Eye eye) const;
+  std::int64_t incomplete(CameraSide camera) const;
+  SyncCounts sync_counts(CameraSide camera) const;
   std::int64_t overrun() const;
 
  private:
@@ -90,16 +90,16 @@ class LivePairs {
     Image<std::uint8_t> image;
     TimestampNs arrival_utc_ns = 0;
   };
-  struct Store {  // of one eye; a token is an index
+  struct Store {  // of one camera; a token is an index
     std::vector<Held> frames;
     std::vector<std::uint32_t> free;
   };
 
-  bool keep(Eye eye, const LiveFrame& frame, std::uint32_t& token);
-  void give_back(Eye eye, std::uint32_t token);
+  bool keep(CameraSide camera, const LiveFrame& frame, std::uint32_t& token);
+  void give_back(CameraSide camera, std::uint32_t token);
   void take_outcome();
   void make_ready(const Ready& pair);
-  Store& store(Eye eye) { return stores_[static_cast<std::size_t>(eye)]; }
+  Store& store(CameraSide camera) { return stores_[static_cast<std::size_t>(camera)]; }
 
   int width_;
   int height_;
@@ -111,7 +111,7 @@ class LivePairs {
   std::deque<Ready> ready_;
   HostClock clock_;
   double rate_hz_;  // as set
-  EyeRate rates_[2];
+  CameraRate rates_[2];
   std::string states_[2];
   std::int64_t incomplete_[2] = {0, 0};
   std::int64_t flawed_[2] = {0, 0};

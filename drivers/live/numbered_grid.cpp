@@ -26,18 +26,18 @@ NumberedGrid::NumberedGrid(const PairSyncOptions& options)
   for (Side& s : sides_) s.waiting.reserve(kMostWaiting + 1);
 }
 
-EyeClock::Reading NumberedGrid::read(Eye eye, const SyncFrame& frame, SyncBooks& books) {
-  const EyeClock::Reading reading = side(eye).clock.read(frame.stamp_ns, frame.arrival_ns);
-  books.counts(eye).missing += reading.missing;
-  if (reading.out_of_order) ++books.counts(eye).out_of_order;
-  if (reading.restarted) void_numbers(eye, books);
+CameraClock::Reading NumberedGrid::read(CameraSide camera, const SyncFrame& frame, SyncBooks& books) {
+  const CameraClock::Reading reading = side(camera).clock.read(frame.stamp_ns, frame.arrival_ns);
+  books.counts(camera).missing += reading.missing;
+  if (reading.out_of_order) ++books.counts(camera).out_of_order;
+  if (reading.restarted) void_numbers(camera, books);
   return reading;
 }
 
-void NumberedGrid::wait(Eye eye, const WaitingFrame& frame, SyncBooks& books) {
-  Side& mine = side(eye);
+void NumberedGrid::wait(CameraSide camera, const WaitingFrame& frame, SyncBooks& books) {
+  Side& mine = side(camera);
   if (mine.any_paired && frame.index <= mine.last_paired) {
-    books.release(eye, frame, SyncLoss::late);
+    books.release(camera, frame, SyncLoss::late);
     return;
   }
   const auto at = std::find_if(mine.waiting.begin(), mine.waiting.end(),
@@ -45,29 +45,29 @@ void NumberedGrid::wait(Eye eye, const WaitingFrame& frame, SyncBooks& books) {
   mine.waiting.insert(at, frame);
 }
 
-void NumberedGrid::confirm(Eye eye) {
-  for (WaitingFrame& w : side(eye).waiting) w.certain = true;
+void NumberedGrid::confirm(CameraSide camera) {
+  for (WaitingFrame& w : side(camera).waiting) w.certain = true;
 }
 
-void NumberedGrid::release_all(Eye eye, SyncLoss why, SyncBooks& books) {
-  for (const WaitingFrame& frame : side(eye).waiting) books.release(eye, frame, why);
-  side(eye).waiting.clear();
+void NumberedGrid::release_all(CameraSide camera, SyncLoss why, SyncBooks& books) {
+  for (const WaitingFrame& frame : side(camera).waiting) books.release(camera, frame, why);
+  side(camera).waiting.clear();
 }
 
 // Removes a frame that was paired, and hands back the older ones of its camera.
-void NumberedGrid::take_out(Eye eye, const WaitingFrame& frame, SyncBooks& books) {
-  Side& s = side(eye);
-  release_below(eye, frame.index, books);
+void NumberedGrid::take_out(CameraSide camera, const WaitingFrame& frame, SyncBooks& books) {
+  Side& s = side(camera);
+  release_below(camera, frame.index, books);
   if (!s.waiting.empty() && s.waiting.front().token == frame.token) s.waiting.erase(s.waiting.begin());
   s.any_paired = true;
   s.last_paired = frame.index;
 }
 
-void NumberedGrid::release_below(Eye eye, std::int64_t index, SyncBooks& books) {
-  std::vector<WaitingFrame>& waiting = side(eye).waiting;
+void NumberedGrid::release_below(CameraSide camera, std::int64_t index, SyncBooks& books) {
+  std::vector<WaitingFrame>& waiting = side(camera).waiting;
   const auto end =
       std::find_if(waiting.begin(), waiting.end(), [&](const WaitingFrame& w) { return w.index >= index; });
-  for (auto it = waiting.begin(); it != end; ++it) books.release(eye, *it, SyncLoss::unpaired);
+  for (auto it = waiting.begin(); it != end; ++it) books.release(camera, *it, SyncLoss::unpaired);
   waiting.erase(waiting.begin(), end);
 }
 
@@ -78,19 +78,19 @@ void NumberedGrid::forget_relation() {
 }
 
 // What a camera's numbers meant is lost.
-void NumberedGrid::void_numbers(Eye eye, SyncBooks& books) {
-  ++books.counts(eye).clock_steps;
-  side(eye).any_paired = false;
-  release_all(eye, SyncLoss::uncertain, books);
-  release_all(other(eye), SyncLoss::unpaired,
+void NumberedGrid::void_numbers(CameraSide camera, SyncBooks& books) {
+  ++books.counts(camera).clock_steps;
+  side(camera).any_paired = false;
+  release_all(camera, SyncLoss::uncertain, books);
+  release_all(other(camera), SyncLoss::unpaired,
               books);  // they waited for numbers that are no more
   forget_relation();
 }
 
 // Right exposure - left exposure on the host's clock (or on the shared one), by the grids.
 double NumberedGrid::difference_ns(std::int64_t left_index, std::int64_t right_index) const {
-  const EyeClock& l = sides_[0].clock;
-  const EyeClock& r = sides_[1].clock;
+  const CameraClock& l = sides_[0].clock;
+  const CameraClock& r = sides_[1].clock;
   double difference = r.grid_ns(right_index) - l.grid_ns(left_index);
   const std::int64_t bases = r.base_ns() - l.base_ns();
   if (shared_clock_) return difference + static_cast<double>(bases);
@@ -101,15 +101,15 @@ double NumberedGrid::difference_ns(std::int64_t left_index, std::int64_t right_i
 
 // Which numbers belong together: those whose exposures are nearest.
 void NumberedGrid::relate(SyncBooks& books) {
-  EyeClock& l = sides_[0].clock;
-  EyeClock& r = sides_[1].clock;
+  CameraClock& l = sides_[0].clock;
+  CameraClock& r = sides_[1].clock;
   if (!l.locked() || !r.locked()) return;
   const bool fixed = triggered_;  // one trigger: the numbers count the same events for ever
   if (fixed && relation_) {
     if (std::abs(difference_ns(l.newest(), l.newest() + *relation_)) <= kInPhase * period_ns_) return;
-    for (const Eye eye : {Eye::left, Eye::right}) {
-      side(eye).clock.restart();
-      void_numbers(eye, books);
+    for (const CameraSide camera : {CameraSide::left, CameraSide::right}) {
+      side(camera).clock.restart();
+      void_numbers(camera, books);
     }
     return;
   }
@@ -133,8 +133,8 @@ void NumberedGrid::relate(SyncBooks& books) {
 }
 
 void NumberedGrid::follow_drift(std::int64_t left_index) {
-  const EyeClock& l = sides_[0].clock;
-  const EyeClock& r = sides_[1].clock;
+  const CameraClock& l = sides_[0].clock;
+  const CameraClock& r = sides_[1].clock;
   if (!triggered_) return;  // the grids then follow the cameras' paces, not one trigger
   const double offset_ns = r.grid_ns(left_index + *relation_) - l.grid_ns(left_index);
   if (!drift_begun_ || left_index - drift_index_ > kDriftRestart) {
@@ -149,8 +149,8 @@ void NumberedGrid::follow_drift(std::int64_t left_index) {
 
 // Each stamp against its grid; the grids against each other only where their clocks are comparable.
 std::int64_t NumberedGrid::skew_ns(const WaitingFrame& left, const WaitingFrame& right) const {
-  const EyeClock& l = sides_[0].clock;
-  const EyeClock& r = sides_[1].clock;
+  const CameraClock& l = sides_[0].clock;
+  const CameraClock& r = sides_[1].clock;
   const double left_ns = static_cast<double>(left.stamp_ns - l.base_ns()) - l.grid_ns(left.index);
   const double right_ns = static_cast<double>(right.stamp_ns - r.base_ns()) - r.grid_ns(right.index);
   double skew_ns = right_ns - left_ns;
@@ -172,8 +172,8 @@ void NumberedGrid::pair_up(SyncBooks& books) {
       if (r == right.end() || !l.certain || !r->certain) continue;
       const WaitingFrame left_frame = l;
       const WaitingFrame right_frame = *r;
-      take_out(Eye::left, left_frame, books);
-      take_out(Eye::right, right_frame, books);
+      take_out(CameraSide::left, left_frame, books);
+      take_out(CameraSide::right, right_frame, books);
       books.pair(left_frame, right_frame, skew_ns(left_frame, right_frame));
       follow_drift(left_frame.index);
       again = true;
@@ -183,11 +183,11 @@ void NumberedGrid::pair_up(SyncBooks& books) {
 }
 
 // Frames whose partner will not come any more.
-void NumberedGrid::expire(Eye eye, bool partner_lost, SyncBooks& books) {
-  Side& mine = side(eye);
-  const Side& theirs = side(other(eye));
+void NumberedGrid::expire(CameraSide camera, bool partner_lost, SyncBooks& books) {
+  Side& mine = side(camera);
+  const Side& theirs = side(other(camera));
   if (relation_ && theirs.clock.locked()) {
-    const std::int64_t to_theirs = eye == Eye::left ? *relation_ : -*relation_;
+    const std::int64_t to_theirs = camera == CameraSide::left ? *relation_ : -*relation_;
     const auto gone = [&](const WaitingFrame& w) {
       const std::int64_t partner = w.index + to_theirs;
       if (partner >= theirs.clock.newest() - kReorderDepth) return false;
@@ -195,21 +195,21 @@ void NumberedGrid::expire(Eye eye, bool partner_lost, SyncBooks& books) {
                       [&](const WaitingFrame& t) { return t.index == partner; })) {
         return false;  // it is there, held
       }
-      books.release(eye, w, SyncLoss::unpaired);
+      books.release(camera, w, SyncLoss::unpaired);
       return true;
     };
     mine.waiting.erase(std::remove_if(mine.waiting.begin(), mine.waiting.end(), gone), mine.waiting.end());
   }
   while (mine.waiting.size() > kMostWaiting || (partner_lost && !mine.waiting.empty())) {
-    books.release(eye, mine.waiting.front(), SyncLoss::unpaired);
+    books.release(camera, mine.waiting.front(), SyncLoss::unpaired);
     mine.waiting.erase(mine.waiting.begin());
   }
 }
 
 std::optional<std::int64_t> NumberedGrid::clock_offset_ns() const {
   if (!relation_) return std::nullopt;
-  const EyeClock& l = sides_[0].clock;
-  const EyeClock& r = sides_[1].clock;
+  const CameraClock& l = sides_[0].clock;
+  const CameraClock& r = sides_[1].clock;
   const double grids_ns = r.grid_ns(l.newest() + *relation_) - l.grid_ns(l.newest());
   return r.base_ns() - l.base_ns() + std::llround(grids_ns);
 }

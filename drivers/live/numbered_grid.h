@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs by number: each camera's stamps give its frames numbers on a grid of exposures (EyeClock), and which number of
+// Pairs by number: a camera's stamps give its frames numbers on a grid of exposures (CameraClock), and which number of
 // the left camera belongs to which of the right is learnt from the arrivals.
 #pragma once
 
@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "drivers/live/eye_clock.h"
+#include "drivers/live/camera_clock.h"
 #include "drivers/live/sync_books.h"
 
 namespace cliquevo::drivers {
@@ -18,20 +18,20 @@ class NumberedGrid {
   explicit NumberedGrid(const PairSyncOptions& options);
 
   // A frame's number; when the numbers of its camera begin anew, what waits for the old ones is handed back.
-  EyeClock::Reading read(Eye eye, const SyncFrame& frame, SyncBooks& books);
+  CameraClock::Reading read(CameraSide camera, const SyncFrame& frame, SyncBooks& books);
   // Keeps a numbered frame until its partner comes; hands it back when that is too late.
-  void wait(Eye eye, const WaitingFrame& frame, SyncBooks& books);
+  void wait(CameraSide camera, const WaitingFrame& frame, SyncBooks& books);
   // All that waits of this camera is what it was held to be.
-  void confirm(Eye eye);
+  void confirm(CameraSide camera);
   // Gives out all pairs that are certain, in order; what they leave behind can no more be paired.
   void pair_up(SyncBooks& books);
   // Hands back frames whose partner will not come any more. partner_lost: the other camera sends nothing.
-  void expire(Eye eye, bool partner_lost, SyncBooks& books);
-  void release_all(Eye eye, SyncLoss why, SyncBooks& books);
+  void expire(CameraSide camera, bool partner_lost, SyncBooks& books);
+  void release_all(CameraSide camera, SyncLoss why, SyncBooks& books);
   // The frame went out in a pair that was found otherwise: older ones of its camera are handed back.
-  void take_out(Eye eye, const WaitingFrame& frame, SyncBooks& books);
+  void take_out(CameraSide camera, const WaitingFrame& frame, SyncBooks& books);
 
-  const std::vector<WaitingFrame>& waiting(Eye eye) const { return side(eye).waiting; }
+  const std::vector<WaitingFrame>& waiting(CameraSide camera) const { return side(camera).waiting; }
   bool locked() const { return sides_[0].clock.locked() && sides_[1].clock.locked(); }
   bool related() const { return relation_.has_value(); }
   bool out_of_phase() const { return out_of_phase_; }
@@ -41,17 +41,17 @@ class NumberedGrid {
  private:
   struct Side {
     explicit Side(double period_ns) : clock(period_ns) {}
-    EyeClock clock;
+    CameraClock clock;
     std::vector<WaitingFrame> waiting;  // in order of their numbers
     std::int64_t last_paired = 0;
     bool any_paired = false;  // since this camera's numbers began
   };
 
-  Side& side(Eye eye) { return sides_[static_cast<std::size_t>(eye)]; }
-  const Side& side(Eye eye) const { return sides_[static_cast<std::size_t>(eye)]; }
-  void release_below(Eye eye, std::int64_t index, SyncBooks& books);
+  Side& side(CameraSide camera) { return sides_[static_cast<std::size_t>(camera)]; }
+  const Side& side(CameraSide camera) const { return sides_[static_cast<std::size_t>(camera)]; }
+  void release_below(CameraSide camera, std::int64_t index, SyncBooks& books);
   void forget_relation();
-  void void_numbers(Eye eye, SyncBooks& books);
+  void void_numbers(CameraSide camera, SyncBooks& books);
   void relate(SyncBooks& books);
   double difference_ns(std::int64_t left_index, std::int64_t right_index) const;
   std::int64_t skew_ns(const WaitingFrame& left, const WaitingFrame& right) const;

@@ -28,41 +28,41 @@ bool PairSync::is_regular(Side& s, const SyncFrame& frame) const {
   return s.regular >= kLeastRegular;
 }
 
-void PairSync::expire(Eye eye) { grid_.expire(eye, side(other(eye)).lost, books_); }
+void PairSync::expire(CameraSide camera) { grid_.expire(camera, side(other(camera)).lost, books_); }
 
-void PairSync::push(Eye eye, const SyncFrame& frame, SyncOutcome& outcome) {
+void PairSync::push(CameraSide camera, const SyncFrame& frame, SyncOutcome& outcome) {
   advance(frame.arrival_ns, outcome);
-  Side& mine = side(eye);
-  ++books_.counts(eye).received;
+  Side& mine = side(camera);
+  ++books_.counts(camera).received;
   mine.last_arrival_ns = std::max(mine.last_arrival_ns, frame.arrival_ns);
   mine.lost = false;
   if (options_.stamped_on_arrival && !is_regular(mine, frame)) {
-    books_.release(eye, {0, frame.stamp_ns, frame.token, false, frame.arrival_ns, false}, SyncLoss::uncertain);
-    expire(other(eye));
+    books_.release(camera, {0, frame.stamp_ns, frame.token, false, frame.arrival_ns, false}, SyncLoss::uncertain);
+    expire(other(camera));
     return;
   }
-  file(eye, frame);
+  file(camera, frame);
   grid_.pair_up(books_);
-  expire(Eye::left);
-  expire(Eye::right);
+  expire(CameraSide::left);
+  expire(CameraSide::right);
 }
 
 // Gives the frame its number and its place.
-void PairSync::file(Eye eye, const SyncFrame& frame) {
-  const EyeClock::Reading reading = grid_.read(eye, frame, books_);
+void PairSync::file(CameraSide camera, const SyncFrame& frame) {
+  const CameraClock::Reading reading = grid_.read(camera, frame, books_);
   const WaitingFrame item{reading.index,    frame.stamp_ns,
-                          frame.token,      reading.verdict == EyeClock::Verdict::certain,
-                          frame.arrival_ns, reading.verdict != EyeClock::Verdict::uncertain};
-  if (reading.verdict == EyeClock::Verdict::doubled) {
-    books_.release(eye, item, SyncLoss::doubled);
-  } else if (shared_clock_.pair(eye, item, grid_, books_)) {
+                          frame.token,      reading.verdict == CameraClock::Verdict::certain,
+                          frame.arrival_ns, reading.verdict != CameraClock::Verdict::uncertain};
+  if (reading.verdict == CameraClock::Verdict::doubled) {
+    books_.release(camera, item, SyncLoss::doubled);
+  } else if (shared_clock_.pair(camera, item, grid_, books_)) {
     // has gone out
-  } else if (reading.verdict == EyeClock::Verdict::uncertain) {
-    shared_clock_.keep(eye, item, books_);
+  } else if (reading.verdict == CameraClock::Verdict::uncertain) {
+    shared_clock_.keep(camera, item, books_);
   } else {
-    grid_.wait(eye, item, books_);
+    grid_.wait(camera, item, books_);
   }
-  if (reading.confirms) grid_.confirm(eye);
+  if (reading.confirms) grid_.confirm(camera);
 }
 
 void PairSync::advance(std::int64_t now_ns, SyncOutcome& outcome) {
@@ -75,13 +75,13 @@ void PairSync::advance(std::int64_t now_ns, SyncOutcome& outcome) {
 }
 
 void PairSync::find_lost(std::int64_t now_ns) {
-  for (const Eye eye : {Eye::left, Eye::right}) {
-    Side& s = side(eye);
+  for (const CameraSide camera : {CameraSide::left, CameraSide::right}) {
+    Side& s = side(camera);
     if (s.lost || static_cast<double>(now_ns - s.last_arrival_ns) * 1e-9 <= options_.lost_after_s) continue;
     s.lost = true;
-    grid_.release_all(eye, SyncLoss::unpaired, books_);
+    grid_.release_all(camera, SyncLoss::unpaired, books_);
     shared_clock_.release_all(books_);
-    expire(other(eye));
+    expire(other(camera));
   }
 }
 

@@ -18,14 +18,14 @@ class PairSync {
   explicit PairSync(const PairSyncOptions& options);
 
   // A frame arrived. Appends to `outcome`; tokens in it are the caller's again.
-  void push(Eye eye, const SyncFrame& frame, SyncOutcome& outcome);
+  void push(CameraSide camera, const SyncFrame& frame, SyncOutcome& outcome);
   // Time has passed without frames: notices lost cameras, hands back what waits for them.
   void advance(std::int64_t now_ns, SyncOutcome& outcome);
 
   SyncState state() const;
-  const SyncCounts& counts(Eye eye) const { return books_.counts(eye); }
-  std::int64_t waiting(Eye eye) const {
-    return static_cast<std::int64_t>(grid_.waiting(eye).size() + shared_clock_.waiting(eye));
+  const SyncCounts& counts(CameraSide camera) const { return books_.counts(camera); }
+  std::int64_t waiting(CameraSide camera) const {
+    return static_cast<std::int64_t>(grid_.waiting(camera).size() + shared_clock_.waiting(camera));
   }
   // Right stamp - left stamp of one exposure, ns; nothing before the clocks are known.
   std::optional<std::int64_t> clock_offset_ns() const { return grid_.clock_offset_ns(); }
@@ -41,12 +41,12 @@ class PairSync {
     int regular = -1;  // frames in a row whose stamp and sequence agree; -1: none at all yet
   };
 
-  Side& side(Eye eye) { return sides_[static_cast<std::size_t>(eye)]; }
-  const Side& side(Eye eye) const { return sides_[static_cast<std::size_t>(eye)]; }
+  Side& side(CameraSide camera) { return sides_[static_cast<std::size_t>(camera)]; }
+  const Side& side(CameraSide camera) const { return sides_[static_cast<std::size_t>(camera)]; }
   bool is_regular(Side& s, const SyncFrame& frame) const;
-  void expire(Eye eye);
+  void expire(CameraSide camera);
   void find_lost(std::int64_t now_ns);
-  void file(Eye eye, const SyncFrame& frame);
+  void file(CameraSide camera, const SyncFrame& frame);
 
   PairSyncOptions options_;
   double period_ns_;

@@ -38,8 +38,9 @@ Result<std::unique_ptr<FrameSource>> open_pairs_source(const CameraOptions& opti
   auto pairs = Pairs::open(options, trouble);
   if (!pairs) return pairs.error();
   trouble = OpenTrouble::lasting;
-  const std::string name =
-      options.layout == EyeLayout::two_cameras ? fmt::format("{} and {}", options.left, options.right) : options.left;
+  const std::string name = options.layout == CameraLayout::two_cameras
+                               ? fmt::format("{} and {}", options.left, options.right)
+                               : options.left;
   auto info =
       live_source_info(options, (*pairs)->width(), (*pairs)->height(), fmt::format("cameras {} ({})", name, family));
   if (!info) return info.error();

@@ -26,11 +26,12 @@ SharedClock::SharedClock(const PairSyncOptions& options)
   for (auto& list : unnumbered_) list.reserve(kMostUnnumbered + 1);
 }
 
-const WaitingFrame* SharedClock::partner_of(Eye eye, const WaitingFrame& frame, const NumberedGrid& grid) const {
+const WaitingFrame* SharedClock::partner_of(CameraSide camera, const WaitingFrame& frame,
+                                            const NumberedGrid& grid) const {
   const auto is_partner = [&](const WaitingFrame& w) {
     return std::abs(static_cast<double>(w.stamp_ns) - static_cast<double>(frame.stamp_ns)) <= tolerance_ns_;
   };
-  const Eye theirs = other(eye);
+  const CameraSide theirs = other(camera);
   const WaitingFrame* found = nullptr;
   for (const std::vector<WaitingFrame>* list :
        {&grid.waiting(theirs), &unnumbered_[static_cast<std::size_t>(theirs)]}) {
@@ -51,50 +52,50 @@ bool SharedClock::trusts(const WaitingFrame& frame, const WaitingFrame& partner)
   return trust_ >= 0;
 }
 
-bool SharedClock::pair(Eye eye, const WaitingFrame& frame, NumberedGrid& grid, SyncBooks& books) {
+bool SharedClock::pair(CameraSide camera, const WaitingFrame& frame, NumberedGrid& grid, SyncBooks& books) {
   if (!shared_) return false;
-  const WaitingFrame* found = partner_of(eye, frame, grid);
+  const WaitingFrame* found = partner_of(camera, frame, grid);
   if (found == nullptr || !trusts(frame, *found)) return false;
   const WaitingFrame partner = *found;
-  const WaitingFrame& left = eye == Eye::left ? frame : partner;
-  const WaitingFrame& right = eye == Eye::left ? partner : frame;
+  const WaitingFrame& left = camera == CameraSide::left ? frame : partner;
+  const WaitingFrame& right = camera == CameraSide::left ? partner : frame;
   if (!books.is_after_last(left.stamp_ns)) return false;
-  take_out(Eye::left, left, grid, books);
-  take_out(Eye::right, right, grid, books);
+  take_out(CameraSide::left, left, grid, books);
+  take_out(CameraSide::right, right, grid, books);
   books.pair(left, right, right.stamp_ns - left.stamp_ns);
   return true;
 }
 
 // Removes a frame that is paired, and hands back the older ones of its camera.
-void SharedClock::take_out(Eye eye, const WaitingFrame& frame, NumberedGrid& grid, SyncBooks& books) {
-  if (frame.numbered) grid.take_out(eye, frame, books);
+void SharedClock::take_out(CameraSide camera, const WaitingFrame& frame, NumberedGrid& grid, SyncBooks& books) {
+  if (frame.numbered) grid.take_out(camera, frame, books);
   const auto gone = [&](const WaitingFrame& w) {
     if (w.token == frame.token) return true;
     if (w.stamp_ns > frame.stamp_ns) return false;
-    books.release(eye, w, SyncLoss::uncertain);
+    books.release(camera, w, SyncLoss::uncertain);
     return true;
   };
-  std::vector<WaitingFrame>& list = unnumbered_[static_cast<std::size_t>(eye)];
+  std::vector<WaitingFrame>& list = unnumbered_[static_cast<std::size_t>(camera)];
   list.erase(std::remove_if(list.begin(), list.end(), gone), list.end());
 }
 
-void SharedClock::keep(Eye eye, const WaitingFrame& frame, SyncBooks& books) {
+void SharedClock::keep(CameraSide camera, const WaitingFrame& frame, SyncBooks& books) {
   if (!shared_ || !books.is_after_last(frame.stamp_ns)) {
-    books.release(eye, frame, SyncLoss::uncertain);
+    books.release(camera, frame, SyncLoss::uncertain);
     return;
   }
-  std::vector<WaitingFrame>& list = unnumbered_[static_cast<std::size_t>(eye)];
+  std::vector<WaitingFrame>& list = unnumbered_[static_cast<std::size_t>(camera)];
   if (list.size() == kMostUnnumbered) {
-    books.release(eye, list.front(), SyncLoss::uncertain);
+    books.release(camera, list.front(), SyncLoss::uncertain);
     list.erase(list.begin());
   }
   list.push_back(frame);
 }
 
 void SharedClock::release_all(SyncBooks& books) {
-  for (const Eye eye : {Eye::left, Eye::right}) {
-    std::vector<WaitingFrame>& list = unnumbered_[static_cast<std::size_t>(eye)];
-    for (const WaitingFrame& frame : list) books.release(eye, frame, SyncLoss::uncertain);
+  for (const CameraSide camera : {CameraSide::left, CameraSide::right}) {
+    std::vector<WaitingFrame>& list = unnumbered_[static_cast<std::size_t>(camera)];
+    for (const WaitingFrame& frame : list) books.release(camera, frame, SyncLoss::uncertain);
     list.clear();
   }
 }

@@ -16,16 +16,16 @@ class SharedClock {
   explicit SharedClock(const PairSyncOptions& options);
 
   // Looks for the partner among what waits here and on the grid. true: the pair has gone out.
-  bool pair(Eye eye, const WaitingFrame& frame, NumberedGrid& grid, SyncBooks& books);
+  bool pair(CameraSide camera, const WaitingFrame& frame, NumberedGrid& grid, SyncBooks& books);
   // A frame without a number: kept for a partner of the same stamp, or handed back where nothing can come of it.
-  void keep(Eye eye, const WaitingFrame& frame, SyncBooks& books);
+  void keep(CameraSide camera, const WaitingFrame& frame, SyncBooks& books);
   void release_all(SyncBooks& books);
-  std::size_t waiting(Eye eye) const { return unnumbered_[static_cast<std::size_t>(eye)].size(); }
+  std::size_t waiting(CameraSide camera) const { return unnumbered_[static_cast<std::size_t>(camera)].size(); }
 
  private:
-  const WaitingFrame* partner_of(Eye eye, const WaitingFrame& frame, const NumberedGrid& grid) const;
+  const WaitingFrame* partner_of(CameraSide camera, const WaitingFrame& frame, const NumberedGrid& grid) const;
   bool trusts(const WaitingFrame& frame, const WaitingFrame& partner);
-  void take_out(Eye eye, const WaitingFrame& frame, NumberedGrid& grid, SyncBooks& books);
+  void take_out(CameraSide camera, const WaitingFrame& frame, NumberedGrid& grid, SyncBooks& books);
 
   bool shared_;
   double tolerance_ns_;

@@ -3,8 +3,8 @@
 
 namespace cliquevo::drivers {
 
-void SyncBooks::release(Eye eye, const WaitingFrame& frame, SyncLoss why) {
-  SyncCounts& counts = this->counts(eye);
+void SyncBooks::release(CameraSide camera, const WaitingFrame& frame, SyncLoss why) {
+  SyncCounts& counts = this->counts(camera);
   switch (why) {
     case SyncLoss::unpaired:
       ++counts.unpaired;
@@ -19,7 +19,7 @@ void SyncBooks::release(Eye eye, const WaitingFrame& frame, SyncLoss why) {
       ++counts.uncertain;
       break;
   }
-  outcome_->released.push_back({eye, frame.token, why});
+  outcome_->released.push_back({camera, frame.token, why});
 }
 
 void SyncBooks::pair(const WaitingFrame& left, const WaitingFrame& right, std::int64_t skew_ns) {

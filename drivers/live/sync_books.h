@@ -25,11 +25,11 @@ class SyncBooks {
   // Where the results of this call go.
   void begin(SyncOutcome& outcome) { outcome_ = &outcome; }
 
-  void release(Eye eye, const WaitingFrame& frame, SyncLoss why);
+  void release(CameraSide camera, const WaitingFrame& frame, SyncLoss why);
   void pair(const WaitingFrame& left, const WaitingFrame& right, std::int64_t skew_ns);
 
-  SyncCounts& counts(Eye eye) { return counts_[static_cast<std::size_t>(eye)]; }
-  const SyncCounts& counts(Eye eye) const { return counts_[static_cast<std::size_t>(eye)]; }
+  SyncCounts& counts(CameraSide camera) { return counts_[static_cast<std::size_t>(camera)]; }
+  const SyncCounts& counts(CameraSide camera) const { return counts_[static_cast<std::size_t>(camera)]; }
   // Whether a left stamp is behind that of the last pair.
   bool is_after_last(TimestampNs stamp_ns) const { return !last_stamp_ns_ || stamp_ns > *last_stamp_ns_; }
 

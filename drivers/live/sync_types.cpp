@@ -25,11 +25,11 @@ const char* sync_state_name(SyncState state) {
     case SyncState::out_of_phase:
       return "out of phase";
     case SyncState::left_lost:
-      return "left eye lost";
+      return "left camera lost";
     case SyncState::right_lost:
-      return "right eye lost";
+      return "right camera lost";
     case SyncState::both_lost:
-      return "both eyes lost";
+      return "both cameras lost";
   }
   return "unknown";
 }

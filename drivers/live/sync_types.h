@@ -10,8 +10,8 @@
 
 namespace cliquevo::drivers {
 
-enum class Eye { left, right };
-inline Eye other(Eye eye) { return eye == Eye::left ? Eye::right : Eye::left; }
+enum class CameraSide { left, right };
+inline CameraSide other(CameraSide camera) { return camera == CameraSide::left ? CameraSide::right : CameraSide::left; }
 
 struct PairSyncOptions {
   double rate_hz = 0.0;   // nominal, of both cameras; must be given
@@ -52,7 +52,7 @@ enum class SyncLoss {
 };
 
 struct SyncReleased {
-  Eye eye = Eye::left;
+  CameraSide camera = CameraSide::left;
   std::uint32_t token = 0;
   SyncLoss why = SyncLoss::unpaired;
 };

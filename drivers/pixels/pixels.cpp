@@ -98,7 +98,7 @@ bool packing_of(std::uint32_t fourcc, Packing& out) {
 
 bool is_jpeg(std::uint32_t fourcc) { return fourcc == V4L2_PIX_FMT_MJPEG || fourcc == V4L2_PIX_FMT_JPEG; }
 
-// Interleaved eyes in pixels of two bytes are a byte each; in pixels of one byte they are every second pixel.
+// Interleaved images in pixels of two bytes are a byte each; in pixels of one byte they are every second pixel.
 bool byte_by_byte(std::uint32_t fourcc) { return fourcc == kY8I || fourcc == V4L2_PIX_FMT_YUYV; }
 
 std::uint8_t grey_of(const std::uint8_t* pixel, const Packing& packing) {
@@ -108,19 +108,19 @@ std::uint8_t grey_of(const std::uint8_t* pixel, const Packing& packing) {
   return static_cast<std::uint8_t>(grey > 255U ? 255U : grey);
 }
 
-// From packed pixels; `pitch`: pixels (or bytes) from one of the eye's to the next.
-void take_eye(const RawFrame& frame, const Packing& packing, std::size_t first, std::size_t pitch,
-              Image<std::uint8_t>& eye) {
+// From packed pixels; `pitch`: pixels (or bytes) from one of the image's to the next.
+void take_side(const RawFrame& frame, const Packing& packing, std::size_t first, std::size_t pitch,
+               Image<std::uint8_t>& image) {
   const std::size_t stride = frame.stride != 0 ? frame.stride : packing.bytes * static_cast<std::size_t>(frame.width);
-  for (int y = 0; y < eye.height(); ++y) {
+  for (int y = 0; y < image.height(); ++y) {
     const std::uint8_t* from = frame.data + stride * static_cast<std::size_t>(y) + first;
-    std::uint8_t* to = eye.view().row(y);
-    for (int x = 0; x < eye.width(); ++x) to[x] = grey_of(from + pitch * static_cast<std::size_t>(x), packing);
+    std::uint8_t* to = image.view().row(y);
+    for (int x = 0; x < image.width(); ++x) to[x] = grey_of(from + pitch * static_cast<std::size_t>(x), packing);
   }
 }
 
-// Pixels of whole bytes, to one eye or two.
-bool split(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
+// Pixels of whole bytes, to one image or two.
+bool split(const RawFrame& frame, CameraLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
   const int width = left.width();
   Packing packing;
   if (!packing_of(frame.fourcc, packing)) return false;
@@ -128,23 +128,23 @@ bool split(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, I
   const std::size_t stride = frame.stride != 0 ? frame.stride : row;
   if (stride < row || frame.size < stride * static_cast<std::size_t>(frame.height - 1) + row) return false;
   switch (layout) {
-    case EyeLayout::two_cameras:
-      take_eye(frame, packing, 0, packing.bytes, left);
+    case CameraLayout::two_cameras:
+      take_side(frame, packing, 0, packing.bytes, left);
       break;
-    case EyeLayout::side_by_side:
-      take_eye(frame, packing, 0, packing.bytes, left);
-      take_eye(frame, packing, packing.bytes * static_cast<std::size_t>(width), packing.bytes, right);
+    case CameraLayout::side_by_side:
+      take_side(frame, packing, 0, packing.bytes, left);
+      take_side(frame, packing, packing.bytes * static_cast<std::size_t>(width), packing.bytes, right);
       break;
-    case EyeLayout::interleaved:
+    case CameraLayout::interleaved:
       if (byte_by_byte(frame.fourcc)) {
         const Packing bytes{1, 0, -1};
         RawFrame whole = frame;
         whole.stride = stride;
-        take_eye(whole, bytes, 0, 2, left);
-        take_eye(whole, bytes, 1, 2, right);
+        take_side(whole, bytes, 0, 2, left);
+        take_side(whole, bytes, 1, 2, right);
       } else {
-        take_eye(frame, packing, 0, 2 * packing.bytes, left);
-        take_eye(frame, packing, packing.bytes, 2 * packing.bytes, right);
+        take_side(frame, packing, 0, 2 * packing.bytes, left);
+        take_side(frame, packing, packing.bytes, 2 * packing.bytes, right);
       }
       break;
   }
@@ -185,18 +185,18 @@ std::string fourcc_name(std::uint32_t fourcc) {
   return out;
 }
 
-int eye_width(EyeLayout layout, std::uint32_t fourcc, int width) {
-  if (layout == EyeLayout::two_cameras) return width;
-  return layout == EyeLayout::interleaved && byte_by_byte(fourcc) ? width : width / 2;
+int image_width(CameraLayout layout, std::uint32_t fourcc, int width) {
+  if (layout == CameraLayout::two_cameras) return width;
+  return layout == CameraLayout::interleaved && byte_by_byte(fourcc) ? width : width / 2;
 }
 
-Conversion to_grey(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
-  const int width = eye_width(layout, frame.fourcc, frame.width);
+Conversion to_grey(const RawFrame& frame, CameraLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
+  const int width = image_width(layout, frame.fourcc, frame.width);
   left.resize(width, frame.height);
-  if (layout != EyeLayout::two_cameras) right.resize(width, frame.height);
+  if (layout != CameraLayout::two_cameras) right.resize(width, frame.height);
   Conversion out;
   if (is_jpeg(frame.fourcc) || packed_of(frame.fourcc)) {
-    if (layout == EyeLayout::two_cameras) {
+    if (layout == CameraLayout::two_cameras) {
       out = unpack(frame, left.view());
     } else {
       Image<std::uint8_t> both(frame.width, frame.height);
@@ -209,7 +209,7 @@ Conversion to_grey(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>&
   if (out.whole && is_mosaic_format(frame.fourcc)) {
     MosaicToGrey to_grey_image;
     to_grey_image.convert(left.view());
-    if (layout != EyeLayout::two_cameras) to_grey_image.convert(right.view());
+    if (layout != CameraLayout::two_cameras) to_grey_image.convert(right.view());
   }
   return out;
 }

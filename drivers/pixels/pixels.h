@@ -27,15 +27,15 @@ bool is_known_format(std::uint32_t fourcc);
 bool is_mosaic_format(std::uint32_t fourcc);
 std::string fourcc_name(std::uint32_t fourcc);
 
-// Width of one eye's image in a frame of this width.
-int eye_width(EyeLayout layout, std::uint32_t fourcc, int width);
+// Width of one image in a frame of this width.
+int image_width(CameraLayout layout, std::uint32_t fourcc, int width);
 
 struct Conversion {
   bool whole = false;
   bool flawed = false;  // a JPEG of which the decoder warned, though every pixel is there
   explicit operator bool() const { return whole; }
 };
-// Grey values into `left` (and `right`, where one frame holds both eyes).
-Conversion to_grey(const RawFrame& frame, EyeLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right);
+// Grey values into `left` (and `right`, where one frame holds both images).
+Conversion to_grey(const RawFrame& frame, CameraLayout layout, Image<std::uint8_t>& left, Image<std::uint8_t>& right);
 
 }  // namespace cliquevo::drivers

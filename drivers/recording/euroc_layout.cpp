@@ -29,7 +29,7 @@ Result<std::optional<Layout>> find_euroc(const std::string& path) {
     const std::vector<ImageFolder> folders = folders_with_images(camera.string(), 1);
     return folders.empty() ? camera.string() : folders.front().path;
   };
-  if (const auto ok = list_eyes(layout, images("cam0"), images("cam1")); !ok) return ok.error();
+  if (const auto ok = list_both_sides(layout, images("cam0"), images("cam1")); !ok) return ok.error();
   if (const auto ok = find_stamps(layout, path); !ok) return ok.error();
   if (fs::exists(root / "cam0/sensor.yaml", ec) || fs::exists(root / "cam1/sensor.yaml", ec)) {
     layout.calibration = (root / "cam0/sensor.yaml").string();

@@ -77,9 +77,9 @@ std::optional<FolderPair> pair_of(const ImageFolder& left, const ImageFolder& ri
   return out.kind < 0 ? std::nullopt : std::optional(out);
 }
 
-bool same_names(const Eye& a, const Eye& b) {
+bool same_names(const ImageList& a, const ImageList& b) {
   return std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(),
-                    [](const EyeImage& x, const EyeImage& y) { return x.name == y.name; });
+                    [](const RecordedImage& x, const RecordedImage& y) { return x.name == y.name; });
 }
 
 // Names that tell the side themselves ("left_0001" and "right_0001") lose that word, so that they match by name.
@@ -87,16 +87,16 @@ void strip_sides(Layout& layout) {
   if (same_names(layout.left, layout.right) || layout.left.images.empty()) return;
   for (const SideReading& reading : read_sides(layout.left.images.front().name)) {
     if (reading.side != Side::left || reading.kind >= kFirstNumberKind + 4) continue;
-    const auto stripped = [&](const Eye& eye, Side side) -> std::optional<Eye> {
-      Eye out = eye;
+    const auto stripped = [&](const ImageList& list, Side side) -> std::optional<ImageList> {
+      ImageList out = list;
       std::set<std::string> seen;
-      for (EyeImage& image : out.images) {
+      for (RecordedImage& image : out.images) {
         const auto name = without_side(image.name, reading.kind, side);
         if (!name || name->empty() || !seen.insert(*name).second) return std::nullopt;
         image.name = *name;
       }
       std::sort(out.images.begin(), out.images.end(),
-                [](const EyeImage& a, const EyeImage& b) { return natural_less(a.name, b.name); });
+                [](const RecordedImage& a, const RecordedImage& b) { return natural_less(a.name, b.name); });
       return out;
     };
     auto left = stripped(layout.left, Side::left);
@@ -160,14 +160,14 @@ Result<std::optional<Layout>> find_two_folders(const std::string& path) {
   if (best->left->parts.size() > 1 || best->kind != kWordKind) {
     layout.description += fmt::format(" ({} left)", best->name());
   }
-  if (auto ok = list_eyes(layout, best->left->path, best->right->path); !ok) return ok.error();
+  if (auto ok = list_both_sides(layout, best->left->path, best->right->path); !ok) return ok.error();
   strip_sides(layout);
   if (auto ok = find_stamps(layout, path); !ok) return ok.error();
   layout.calibration = calibration_between(layout.root, path);
   return std::optional<Layout>(std::move(layout));
 }
 
-Result<std::optional<Layout>> find_lonely_eye(const std::string& path) {
+Result<std::optional<Layout>> find_single_side(const std::string& path) {
   for (const ImageFolder& folder : folders_with_images(path, 2)) {
     if (folder.parts.empty()) continue;
     for (std::size_t i = 0; i < folder.parts.size(); ++i) {
@@ -191,8 +191,8 @@ Result<std::optional<Layout>> find_lonely_eye(const std::string& path) {
       if (fs::is_directory(missing, ec)) {
         return Error{"folder holds no images", missing.string(), "copy the recording again (png, jpg, pgm, ...)"};
       }
-      return Error{left ? "right eye is missing" : "left eye is missing", missing.string(),
-                   "copy both eyes of the recording"};
+      return Error{left ? "right images are missing" : "left images are missing", missing.string(),
+                   "copy both folders of the recording"};
     }
   }
   return std::optional<Layout>{};

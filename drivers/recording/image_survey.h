@@ -12,14 +12,14 @@ namespace cliquevo::drivers {
 
 struct DepthSurvey {
   bool deep = false;  // there are images of more than 8 bits
-  int shift = 0;      // bits by which those are shifted down: both eyes', all along
+  int shift = 0;      // bits by which those are shifted down: both cameras', all along
 };
 // Over the whole of the first, the last and some pairs between; images that cannot be read are next()'s to report.
 DepthSurvey survey_depth(const std::vector<ImagePair>& pairs);
 // "samples of 12 bits, scaled by 1/16"; empty where nothing is scaled.
 std::string describe_depth(const DepthSurvey& survey);
 
-// Whether the store's images are Bayer mosaics, over the first, the middle and the last pair of both eyes.
+// Whether the store's images are Bayer mosaics, over the first, the middle and the last pair of both cameras.
 struct MosaicSurvey {
   bool mosaic = false;
   std::string text;  // "Bayer mosaic (RGGB or BGGR), made grey"; empty for ordinary images

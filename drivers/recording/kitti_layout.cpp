@@ -59,7 +59,8 @@ Result<std::optional<Layout>> find_drive(const fs::path& root, const std::string
     layout.root = root.string();
     layout.left_camera = first;
     layout.right_camera = first + 1;
-    if (const auto ok = list_eyes(layout, (left / images).string(), (right / images).string()); !ok) return ok.error();
+    if (const auto ok = list_both_sides(layout, (left / images).string(), (right / images).string()); !ok)
+      return ok.error();
     std::string times = find_times(left.string());
     if (times.empty()) times = find_times(root.string());
     if (!times.empty()) {
@@ -92,7 +93,7 @@ Result<std::optional<Layout>> find_kitti_odometry(const std::string& path) {
     layout.left_camera = first;
     layout.right_camera = first + 1;
     layout.calibration = (root / "calib.txt").string();
-    if (const auto ok = list_eyes(layout, left.string(), right.string()); !ok) return ok.error();
+    if (const auto ok = list_both_sides(layout, left.string(), right.string()); !ok) return ok.error();
     std::string times = find_times(path);
     if (times.empty()) {
       times = find_image_list(path, layout.left);

@@ -52,9 +52,9 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a < b;  // equal but for leading zeros
 }
 
-Result<Eye> list_eye(const std::string& folder) {
-  Eye eye;
-  eye.folder = folder;
+Result<ImageList> list_images(const std::string& folder) {
+  ImageList list;
+  list.folder = folder;
   std::error_code ec;
   fs::directory_iterator entry(folder, ec);
   if (ec) return Error{"cannot list folder", folder, ec.message()};
@@ -62,32 +62,33 @@ Result<Eye> list_eye(const std::string& folder) {
     const fs::path file = entry->path();
     const std::string name = file.filename().string();
     if (name.front() == '.' || !is_image_name(name) || entry->is_directory(ec)) continue;
-    eye.images.push_back({file.string(), file.stem().string(), std::nullopt});
+    list.images.push_back({file.string(), file.stem().string(), std::nullopt});
   }
   if (ec) return Error{"cannot list folder", folder, ec.message()};
-  if (eye.images.empty())
+  if (list.images.empty())
     return Error{"folder holds no images", folder, "copy the recording again (png, jpg, pgm, ...)"};
-  std::sort(eye.images.begin(), eye.images.end(), [](const EyeImage& a, const EyeImage& b) {
+  std::sort(list.images.begin(), list.images.end(), [](const RecordedImage& a, const RecordedImage& b) {
     return a.name == b.name ? a.path < b.path : natural_less(a.name, b.name);
   });
-  for (std::size_t i = 1; i < eye.images.size(); ++i) {
-    if (eye.images[i].name == eye.images[i - 1].name) {
-      return Error{"two images have the same name", eye.images[i].path, "keep one of the two file types"};
+  for (std::size_t i = 1; i < list.images.size(); ++i) {
+    if (list.images[i].name == list.images[i - 1].name) {
+      return Error{"two images have the same name", list.images[i].path, "keep one of the two file types"};
     }
   }
-  return eye;
+  return list;
 }
 
-Result<void> list_eyes(Layout& layout, const std::string& left_folder, const std::string& right_folder) {
+Result<void> list_both_sides(Layout& layout, const std::string& left_folder, const std::string& right_folder) {
   std::error_code ec;
   for (const std::string& folder : {left_folder, right_folder}) {
     const bool left = folder == left_folder;
     if (!fs::is_directory(folder, ec)) {
-      return Error{left ? "left eye is missing" : "right eye is missing", folder, "copy both eyes of the recording"};
+      return Error{left ? "left images are missing" : "right images are missing", folder,
+                   "copy both folders of the recording"};
     }
-    Result<Eye> eye = list_eye(folder);
-    if (!eye) return eye.error();
-    (left ? layout.left : layout.right) = std::move(*eye);
+    Result<ImageList> list = list_images(folder);
+    if (!list) return list.error();
+    (left ? layout.left : layout.right) = std::move(*list);
   }
   return {};
 }
@@ -132,11 +133,11 @@ std::string what_is_there(const std::string& path) {
   std::string out;
   const std::vector<ImageFolder> folders = folders_with_images(path, 5);
   for (std::size_t i = 0; i < std::min(folders.size(), kMostNames); ++i) {
-    const Result<Eye> eye = list_eye(folders[i].path);
+    const Result<ImageList> list = list_images(folders[i].path);
     std::string name;
     for (const std::string& part : folders[i].parts) name += (name.empty() ? "" : "/") + part;
     if (!out.empty()) out += ", ";
-    out += eye ? std::to_string(eye->images.size()) + " images" : "images";
+    out += list ? std::to_string(list->images.size()) + " images" : "images";
     out += " in " + (name.empty() ? "it" : name);
   }
   if (folders.size() > kMostNames)
@@ -176,16 +177,16 @@ const std::vector<LayoutKind>& layout_kinds() {
        find_two_folders},
       {"one folder with images whose names differ so", find_names_in_one_folder},
       {"side-by-side images, where their halves match (or --side-by-side says so)", find_side_by_side},
-      {"LCM logs (*.lcm)", find_lonely_eye}};
+      {"LCM logs (*.lcm)", find_single_side}};
   return kinds;
 }
 
 Result<Layout> find_layout(const std::string& path, bool side_by_side) {
   std::error_code ec;
-  if (path.empty()) return Error{"no such recording", "empty name", "name the folder that holds both eyes"};
+  if (path.empty()) return Error{"no such recording", "empty name", "name the folder that holds the images of both"};
   if (!fs::exists(path, ec)) return Error{"no such recording", path, "check the name of the folder"};
   if (!fs::is_directory(path, ec))
-    return Error{"recording is no folder", path, "name the folder that holds both eyes, or an LCM event log"};
+    return Error{"recording is no folder", path, "name the folder that holds the images of both, or an LCM event log"};
   if (fs::is_empty(path, ec)) return Error{"recording folder is empty", path, "copy the recording again"};
   if (side_by_side) return read_side_by_side(path);
   std::string looked_for;

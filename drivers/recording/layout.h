@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a folder of recorded images holds, before any image is opened: the list of each eye's files, where times and
+// What a folder of recorded images holds, before any image is opened: the list of each camera's files, where times and
 // calibration are. One finder a folder format.
 #pragma once
 
@@ -12,22 +12,22 @@
 
 namespace cliquevo::drivers {
 
-struct EyeImage {
+struct RecordedImage {
   std::string path;
   std::string name;  // without folder and extension
   std::optional<TimestampNs> stamp_ns;
 };
 
-struct Eye {
+struct ImageList {
   std::string folder;
-  std::vector<EyeImage> images;  // natural order of the names ("9" before "10")
+  std::vector<RecordedImage> images;  // natural order of the names ("9" before "10")
 };
 
 struct Layout {
   std::string description;  // "KITTI odometry folder /data/06"
   std::string root;         // masks are looked for here
-  Eye left;
-  Eye right;
+  ImageList left;
+  ImageList right;
   int left_camera = 0;  // numbers in calibration files that hold more cameras
   int right_camera = 1;
   std::string calibration;         // file or folder; empty = none found
@@ -43,7 +43,7 @@ Result<std::optional<Layout>> find_two_folders(const std::string& path);
 Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path);
 Result<std::optional<Layout>> find_side_by_side(const std::string& path);  // where the halves are seen to match
 Result<Layout> read_side_by_side(const std::string& path);                 // said to be so
-Result<std::optional<Layout>> find_lonely_eye(const std::string& path);    // only ever an error: the other is missing
+Result<std::optional<Layout>> find_single_side(const std::string& path);   // only ever an error: the other is missing
 
 // The layouts, in the order in which they are tried.
 struct LayoutKind {
@@ -58,10 +58,10 @@ Result<Layout> find_layout(const std::string& path, bool side_by_side = false);
 // Shared by the finders.
 
 // Image files of a folder; an error when there is none, or two with the same name.
-Result<Eye> list_eye(const std::string& folder);
-// Both eyes; an error that names the missing one.
-Result<void> list_eyes(Layout& layout, const std::string& left_folder, const std::string& right_folder);
-// Stamps for both eyes of a layout: from each eye's own times file, else from one for both in their common folder or
+Result<ImageList> list_images(const std::string& folder);
+// Both lists; an error that names the missing one.
+Result<void> list_both_sides(Layout& layout, const std::string& left_folder, const std::string& right_folder);
+// Stamps for both cameras of a layout: from the times file of each, else from one for both in their common folder or
 // above it up to `top`, else from the names.
 Result<void> find_stamps(Layout& layout, const std::string& top);
 // The calibration in one of the folders from `folder` up to `top`, or in their folders for such files.

@@ -55,9 +55,9 @@ class MessageReader {
   std::int64_t warned() const { return images_.warned(); }
 
  private:
-  Result<void> take(const StereoMessageEye& eye, const std::string& name, Image<std::uint8_t>& image) {
-    if (eye.jpeg != nullptr) return images_.decode(eye.jpeg, eye.jpeg_size, name, image);
-    image.copy_from(eye.image);
+  Result<void> take(const StereoMessageSide& side, const std::string& name, Image<std::uint8_t>& image) {
+    if (side.jpeg != nullptr) return images_.decode(side.jpeg, side.jpeg_size, name, image);
+    image.copy_from(side.image);
     return {};
   }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Both eyes in one folder: names that tell the side, or one picture with both halves.
+// Both cameras' images in one folder: names that tell the side, or one picture with both halves.
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -10,7 +10,7 @@
 #include "drivers/images/image_reader.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/side_words.h"
-#include "stereo/eye_order.h"
+#include "stereo/camera_order.h"
 
 namespace cliquevo::drivers {
 
@@ -21,18 +21,18 @@ namespace {
 constexpr int kDepth = 2;
 
 struct Sides {
-  Eye left;
-  Eye right;
+  ImageList left;
+  ImageList right;
   std::size_t pairs = 0;
 };
 
 // The images of each side under one reading; names are what both images of a pair share.
-Sides split_by(const Eye& all, int kind) {
+Sides split_by(const ImageList& all, int kind) {
   Sides out;
   out.left.folder = out.right.folder = all.folder;
   std::set<std::string> left;
   std::set<std::string> right;
-  for (const EyeImage& image : all.images) {
+  for (const RecordedImage& image : all.images) {
     if (image.name.find_first_not_of("0123456789") == std::string::npos) continue;  // a number alone counts frames
     for (const Side side : {Side::left, Side::right}) {
       const auto name = without_side(image.name, kind, side);
@@ -41,9 +41,9 @@ Sides split_by(const Eye& all, int kind) {
       break;
     }
   }
-  for (Eye* eye : {&out.left, &out.right}) {
-    std::sort(eye->images.begin(), eye->images.end(),
-              [](const EyeImage& a, const EyeImage& b) { return natural_less(a.name, b.name); });
+  for (ImageList* list : {&out.left, &out.right}) {
+    std::sort(list->images.begin(), list->images.end(),
+              [](const RecordedImage& a, const RecordedImage& b) { return natural_less(a.name, b.name); });
   }
   out.pairs = static_cast<std::size_t>(
       std::count_if(left.begin(), left.end(), [&](const std::string& name) { return right.count(name) > 0; }));
@@ -51,10 +51,10 @@ Sides split_by(const Eye& all, int kind) {
 }
 
 // Most of the images must be in pairs: "frame1, frame2, frame3" are none.
-std::optional<std::pair<Sides, int>> sides_of(const Eye& all) {
+std::optional<std::pair<Sides, int>> sides_of(const ImageList& all) {
   constexpr double kLeastShare = 0.6;
   std::set<int> kinds;
-  for (const EyeImage* image : {&all.images.front(), &all.images.back()}) {
+  for (const RecordedImage* image : {&all.images.front(), &all.images.back()}) {
     for (const SideReading& reading : read_sides(image->name)) kinds.insert(reading.kind);
   }
   for (const int kind : kinds) {
@@ -85,18 +85,18 @@ Result<Layout> finish(Layout layout, const std::string& path) {
 }
 
 // The halves of the first image that can be read show the same scene from two places.
-bool halves_match(const Eye& eye) {
+bool halves_match(const ImageList& list) {
   constexpr double kLeastAspect = 1.8;
   constexpr double kLeastShare = 0.35;
   constexpr std::size_t kTries = 3;
   ImageReader reader;
   Image<std::uint8_t> image;
-  for (std::size_t i = 0; i < std::min(kTries, eye.images.size()); ++i) {
-    if (!reader.read(eye.images[i].path, image)) continue;
+  for (std::size_t i = 0; i < std::min(kTries, list.images.size()); ++i) {
+    if (!reader.read(list.images[i].path, image)) continue;
     const ImageView<const std::uint8_t> view = image.cview();
     if (view.width % 2 != 0 || view.width < kLeastAspect * view.height) return false;
     const int half = view.width / 2;
-    auto check = stereo::EyeOrderCheck::make(half, view.height);
+    auto check = stereo::CameraOrderCheck::make(half, view.height);
     if (!check) return false;
     const ImageView<const std::uint8_t> left{view.data, half, view.height, view.stride};
     const ImageView<const std::uint8_t> right{view.data + half, half, view.height, view.stride};
@@ -106,12 +106,12 @@ bool halves_match(const Eye& eye) {
   return false;
 }
 
-Layout side_by_side_in(const ImageFolder& folder, Eye eye) {
+Layout side_by_side_in(const ImageFolder& folder, ImageList list) {
   Layout layout;
   layout.description = "side-by-side images in " + folder.path;
   layout.root = folder.path;
   layout.side_by_side = true;
-  layout.left = std::move(eye);
+  layout.left = std::move(list);
   layout.right = layout.left;
   return layout;
 }
@@ -134,7 +134,7 @@ Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path) 
   std::size_t depth = kDepth + 1;
   for (const ImageFolder& folder : folders_with_images(path, kDepth)) {
     if (folder.parts.size() > depth) continue;
-    const Result<Eye> all = list_eye(folder.path);
+    const Result<ImageList> all = list_images(folder.path);
     if (!all) continue;
     auto sides = sides_of(*all);
     if (!sides) continue;
@@ -142,7 +142,7 @@ Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path) 
     depth = folder.parts.size();
     Layout layout;
     layout.description =
-        fmt::format("images of both eyes in {} ({} in their names)", folder.path, kind_name(sides->second));
+        fmt::format("images of both cameras in {} ({} in their names)", folder.path, kind_name(sides->second));
     layout.root = folder.path;
     layout.left = std::move(sides->first.left);
     layout.right = std::move(sides->first.right);
@@ -161,9 +161,9 @@ Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path) 
 Result<std::optional<Layout>> find_side_by_side(const std::string& path) {
   const std::vector<ImageFolder> folders = shallowest(path);
   if (folders.size() != 1) return std::optional<Layout>{};
-  Result<Eye> eye = list_eye(folders.front().path);
-  if (!eye || !halves_match(*eye)) return std::optional<Layout>{};
-  auto layout = finish(side_by_side_in(folders.front(), std::move(*eye)), path);
+  Result<ImageList> list = list_images(folders.front().path);
+  if (!list || !halves_match(*list)) return std::optional<Layout>{};
+  auto layout = finish(side_by_side_in(folders.front(), std::move(*list)), path);
   if (!layout) return layout.error();
   return std::optional<Layout>(std::move(*layout));
 }
@@ -178,9 +178,9 @@ Result<Layout> read_side_by_side(const std::string& path) {
     for (const ImageFolder& folder : folders) names.push_back(joined(folder.parts));
     return several(path, names);
   }
-  Result<Eye> eye = list_eye(folders.front().path);
-  if (!eye) return eye.error();
-  return finish(side_by_side_in(folders.front(), std::move(*eye)), path);
+  Result<ImageList> list = list_images(folders.front().path);
+  if (!list) return list.error();
+  return finish(side_by_side_in(folders.front(), std::move(*list)), path);
 }
 
 }  // namespace cliquevo::drivers

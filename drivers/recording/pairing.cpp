@@ -12,21 +12,22 @@ namespace cliquevo::drivers {
 
 namespace {
 
-bool all_stamped(const Eye& eye) {
-  return std::all_of(eye.images.begin(), eye.images.end(), [](const EyeImage& i) { return i.stamp_ns.has_value(); });
+bool all_stamped(const ImageList& list) {
+  return std::all_of(list.images.begin(), list.images.end(),
+                     [](const RecordedImage& i) { return i.stamp_ns.has_value(); });
 }
 
-// The first image that the other eye has no namesake for; nullptr = the same names.
-const EyeImage* first_without_namesake(const Eye& a, const Eye& b) {
+// The first image that the other camera has no namesake for; nullptr = the same names.
+const RecordedImage* first_without_namesake(const ImageList& a, const ImageList& b) {
   std::size_t j = 0;
-  for (const EyeImage& image : a.images) {
+  for (const RecordedImage& image : a.images) {
     if (j >= b.images.size() || b.images[j].name != image.name) return &image;
     ++j;
   }
   return j < b.images.size() ? &b.images[j] : nullptr;
 }
 
-// "left_000012" -> 12: the last run of digits, to pair names that differ in the eye's name only.
+// "left_000012" -> 12: the last run of digits, to pair names that differ in the camera's name only.
 std::string number_in(const std::string& name) {
   const std::size_t end = name.find_last_of("0123456789");
   if (end == std::string::npos) return {};
@@ -35,7 +36,7 @@ std::string number_in(const std::string& name) {
   return name.substr(begin, end - begin + 1);
 }
 
-bool same_numbers(const Eye& a, const Eye& b) {
+bool same_numbers(const ImageList& a, const ImageList& b) {
   if (a.images.size() != b.images.size()) return false;
   for (std::size_t i = 0; i < a.images.size(); ++i) {
     const std::string number = number_in(a.images[i].name);
@@ -46,20 +47,20 @@ bool same_numbers(const Eye& a, const Eye& b) {
 }
 
 // Images in the order of their times; those that repeat one are left out.
-Eye in_order(const Eye& eye) {
-  Eye out = eye;
+ImageList in_order(const ImageList& list) {
+  ImageList out = list;
   std::stable_sort(out.images.begin(), out.images.end(),
-                   [](const EyeImage& a, const EyeImage& b) { return *a.stamp_ns < *b.stamp_ns; });
+                   [](const RecordedImage& a, const RecordedImage& b) { return *a.stamp_ns < *b.stamp_ns; });
   out.images.erase(std::unique(out.images.begin(), out.images.end(),
-                               [](const EyeImage& a, const EyeImage& b) { return a.stamp_ns == b.stamp_ns; }),
+                               [](const RecordedImage& a, const RecordedImage& b) { return a.stamp_ns == b.stamp_ns; }),
                    out.images.end());
   return out;
 }
 
-std::vector<TimestampNs> stamps_of(const Eye& eye) {
+std::vector<TimestampNs> stamps_of(const ImageList& list) {
   std::vector<TimestampNs> stamps;
-  stamps.reserve(eye.images.size());
-  for (const EyeImage& image : eye.images) stamps.push_back(*image.stamp_ns);
+  stamps.reserve(list.images.size());
+  for (const RecordedImage& image : list.images) stamps.push_back(*image.stamp_ns);
   return stamps;
 }
 
@@ -72,22 +73,22 @@ std::size_t nearest(const std::vector<TimestampNs>& stamps, TimestampNs t) {
 }
 
 Result<Pairing> pair_by_time(const Layout& layout, std::optional<double> pair_tolerance_s) {
-  const Eye left_eye = in_order(layout.left);
-  const Eye right_eye = in_order(layout.right);
-  const std::vector<TimestampNs> left = stamps_of(left_eye);
-  const std::vector<TimestampNs> right = stamps_of(right_eye);
+  const ImageList left_list = in_order(layout.left);
+  const ImageList right_list = in_order(layout.right);
+  const std::vector<TimestampNs> left = stamps_of(left_list);
+  const std::vector<TimestampNs> right = stamps_of(right_list);
   const auto tolerance =
       pair_tolerance_s ? static_cast<std::int64_t>(std::llround(*pair_tolerance_s * 1e9)) : median_period_ns(left) / 4;
   Pairing pairing;
   for (std::size_t i = 0; i < left.size(); ++i) {
     const std::size_t j = nearest(right, left[i]);
     if (nearest(left, right[j]) != i || std::abs(right[j] - left[i]) > tolerance) continue;
-    pairing.pairs.push_back({left[i], left_eye.images[i].path, right_eye.images[j].path});
+    pairing.pairs.push_back({left[i], left_list.images[i].path, right_list.images[j].path});
   }
   pairing.unpaired =
       static_cast<std::int64_t>(layout.left.images.size() + layout.right.images.size() - 2 * pairing.pairs.size());
   if (pairing.pairs.empty()) {
-    return Error{fmt::format("no image of the left eye is within {:.6g} s of one of the right",
+    return Error{fmt::format("no image of the left camera is within {:.6g} s of one of the right",
                              static_cast<double>(tolerance) * 1e-9),
                  layout.root, "give a larger --pair-tolerance, or correct the stamps"};
   }
@@ -96,11 +97,11 @@ Result<Pairing> pair_by_time(const Layout& layout, std::optional<double> pair_to
 
 // Each left image with its namesake; one that lacks it keeps its place among the pairs, and is not to be played.
 Pairing pair_by_name(const Layout& layout) {
-  std::map<std::string, const EyeImage*> right;
-  for (const EyeImage& image : layout.right.images) right[image.name] = &image;
+  std::map<std::string, const RecordedImage*> right;
+  for (const RecordedImage& image : layout.right.images) right[image.name] = &image;
   Pairing pairing;
   std::size_t paired = 0;
-  for (const EyeImage& image : layout.left.images) {
+  for (const RecordedImage& image : layout.left.images) {
     const auto found = right.find(image.name);
     paired += found != right.end() ? 1 : 0;
     pairing.pairs.push_back(
@@ -110,11 +111,11 @@ Pairing pair_by_name(const Layout& layout) {
   return pairing;
 }
 
-std::size_t common_names(const Eye& a, const Eye& b) {
+std::size_t common_names(const ImageList& a, const ImageList& b) {
   std::set<std::string> names;
-  for (const EyeImage& image : a.images) names.insert(image.name);
-  return static_cast<std::size_t>(std::count_if(b.images.begin(), b.images.end(),
-                                                [&](const EyeImage& image) { return names.count(image.name) > 0; }));
+  for (const RecordedImage& image : a.images) names.insert(image.name);
+  return static_cast<std::size_t>(std::count_if(
+      b.images.begin(), b.images.end(), [&](const RecordedImage& image) { return names.count(image.name) > 0; }));
 }
 
 }  // namespace
@@ -131,12 +132,12 @@ std::int64_t median_period_ns(const std::vector<TimestampNs>& stamps) {
 
 Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
                             std::optional<double> pair_tolerance_s) {
-  const EyeImage* odd = first_without_namesake(layout.left, layout.right);
+  const RecordedImage* odd = first_without_namesake(layout.left, layout.right);
   const bool by_time = odd != nullptr && all_stamped(layout.left) && all_stamped(layout.right);
   const bool by_name = 2 * common_names(layout.left, layout.right) > layout.left.images.size();
   if (odd != nullptr && !by_time && !by_name && !same_numbers(layout.left, layout.right)) {
-    return Error{"image has no partner in the other eye", odd->path,
-                 "copy the recording again; or give both eyes times of their own to pair them by time"};
+    return Error{"image has no partner in the other camera", odd->path,
+                 "copy the recording again; or give both cameras times of their own to pair them by time"};
   }
   if (!all_stamped(layout.left) && !rate_hz) {
     return Error{"recording has no times", layout.root,
@@ -151,7 +152,7 @@ Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
     pairing = pair_by_name(layout);
   } else {
     for (std::size_t i = 0; i < layout.left.images.size(); ++i) {
-      const EyeImage& image = layout.left.images[i];
+      const RecordedImage& image = layout.left.images[i];
       pairing.pairs.push_back({image.stamp_ns.value_or(0), image.path, layout.right.images[i].path});
     }
   }

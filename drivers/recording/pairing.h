@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which image of the left eye belongs to which of the right.
+// Which image of the left camera belongs to which of the right.
 #pragma once
 
 #include <cstdint>
@@ -20,11 +20,11 @@ struct ImagePair {
 
 struct Pairing {
   std::vector<ImagePair> pairs;  // in the order in which they were recorded; stamps may step back or repeat
-  std::int64_t unpaired = 0;     // images without a partner, both eyes together
+  std::int64_t unpaired = 0;     // images without a partner, both cameras together
 };
 
 // By name where both folders hold the same names, also where either lacks a few of the other's; else by time, each with
-// its mutually nearest within the tolerance (default a quarter of the left eye's period). rate_hz gives the stamps,
+// its mutually nearest within the tolerance (default a quarter of the left camera's period). rate_hz gives the stamps,
 // whatever times there are. Errors: no times and no rate, no pair at all, names that do not match and no times.
 Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
                             std::optional<double> pair_tolerance_s);

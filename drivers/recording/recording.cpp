@@ -27,7 +27,7 @@ class PairFiles {
 
   Result<void> read(const ImagePair& files, Image<std::uint8_t>& left, Image<std::uint8_t>& right) {
     if (files.right.empty()) {
-      return Error{"image has no partner in the other eye", files.left, "copy the recording again"};
+      return Error{"image has no partner in the other camera", files.left, "copy the recording again"};
     }
     if (side_by_side_) return read_halves(files.left, left, right);
     if (auto ok = reader_.read(files.left, left); !ok) return ok;
@@ -97,7 +97,7 @@ Result<std::pair<int, int>> find_size(const std::vector<ImagePair>& pairs, bool 
       continue;
     }
     if (left.width() != right.width() || left.height() != right.height()) {
-      return Error{"eyes have images of unequal size", pair.right,
+      return Error{"cameras have images of unequal size", pair.right,
                    fmt::format("left is {}x{}, right is {}x{}: use images of one size", left.width(), left.height(),
                                right.width(), right.height())};
     }

@@ -19,11 +19,11 @@ struct RecordingOptions {
   std::int64_t first = 0;                  // first pair to play
   std::int64_t last = -1;                  // last pair to play, -1 = the last there is
   std::int64_t every = 1;                  // play every k-th pair
-  std::optional<double> pair_tolerance_s;  // between the stamps of the two eyes; default a quarter period
+  std::optional<double> pair_tolerance_s;  // between the stamps of the two cameras; default a quarter period
   std::string left_mask;                   // image files, 0 = the vehicle's own parts; empty: mask_left.png in the
   std::string right_mask;                  // recording when there is one
   Bayer bayer = Bayer::automatic;          // whether the images are raw Bayer mosaics
-  bool side_by_side = false;               // each image holds both eyes, left half and right half; also seen by itself
+  bool side_by_side = false;               // left and right half of each image; also seen by itself
   std::string channel;                     // of a log; empty = VO_STEREO, else the only one with stereo pairs
   bool pingpong = false;   // never ends: forward, then backward, ...; the stamps go on by the same steps
   bool read_ahead = true;  // a thread decodes the next pairs meanwhile; same pairs, same errors, same order

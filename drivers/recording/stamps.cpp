@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBytes = 256U << 20U;
-// Whose times are not the cameras'; and an eye's own, which count for that eye alone.
+// Whose times are not the cameras'; and a camera's own, which count for that camera alone.
 constexpr std::array<const char*, 14> kOtherSensors{"imu",   "lidar", "velo",  "laser", "gps",  "gnss",  "ins_",
                                                     "radar", "odom",  "event", "depth", "left", "right", "pose"};
 
@@ -58,7 +58,7 @@ std::string plural(std::size_t count, const char* one, const char* many) {
 }
 
 Result<void> by_name(const TimesTable& table, std::size_t word, const std::map<std::string, std::size_t>& images,
-                     const std::string& path, Eye& eye, std::vector<std::string>& notes) {
+                     const std::string& path, ImageList& list, std::vector<std::string>& notes) {
   std::size_t gone = 0;
   for (const StampRow& row : table.rows) {
     const auto found = word < row.words.size() ? images.find(image_named(row.words[word])) : images.end();
@@ -66,14 +66,14 @@ Result<void> by_name(const TimesTable& table, std::size_t word, const std::map<s
       ++gone;
       continue;
     }
-    EyeImage& image = eye.images[found->second];
+    RecordedImage& image = list.images[found->second];
     if (image.stamp_ns) {
       return Error{"times file names an image twice", fmt::format("{}:{}", path, row.line), "correct the file"};
     }
     image.stamp_ns = row.stamp_ns;
   }
-  std::vector<EyeImage> kept;
-  for (EyeImage& image : eye.images) {
+  std::vector<RecordedImage> kept;
+  for (RecordedImage& image : list.images) {
     if (image.stamp_ns) kept.push_back(std::move(image));
   }
   if (kept.empty()) {
@@ -83,17 +83,18 @@ Result<void> by_name(const TimesTable& table, std::size_t word, const std::map<s
         fmt::format("{}:{} ({})", path, first.line, printable(word < first.words.size() ? first.words[word] : "")),
         "copy the recording again, or correct the file"};
   }
-  const std::size_t untold = eye.images.size() - kept.size();
-  eye.images = std::move(kept);
+  const std::size_t untold = list.images.size() - kept.size();
+  list.images = std::move(kept);
   const std::string name = fs::path(path).filename().string();
   if (gone > 0) notes.push_back(fmt::format("{} of {} without an image", plural(gone, "row", "rows"), name));
   if (untold > 0) notes.push_back(fmt::format("{} not in {}: left out", plural(untold, "image", "images"), name));
   return {};
 }
 
-Result<void> by_order(const TimesTable& table, const std::string& path, Eye& eye, std::vector<std::string>& notes) {
+Result<void> by_order(const TimesTable& table, const std::string& path, ImageList& list,
+                      std::vector<std::string>& notes) {
   const std::size_t rows = table.rows.size();
-  const std::size_t images = eye.images.size();
+  const std::size_t images = list.images.size();
   const bool near = rows == images || rows == images + 1 || (rows + 1 == images && !table.bare_heading);
   if (!near || rows == 0) {
     return Error{
@@ -105,18 +106,18 @@ Result<void> by_order(const TimesTable& table, const std::string& path, Eye& eye
     notes.push_back(fmt::format("{} has one row more than there are images: its last is left out", name));
   if (rows < images) {
     notes.push_back(fmt::format("{} has one row fewer than there are images: the last image is left out", name));
-    eye.images.pop_back();
+    list.images.pop_back();
   }
-  for (std::size_t i = 0; i < eye.images.size(); ++i) eye.images[i].stamp_ns = table.rows[i].stamp_ns;
+  for (std::size_t i = 0; i < list.images.size(); ++i) list.images[i].stamp_ns = table.rows[i].stamp_ns;
   return {};
 }
 
 // What names begin and end with in common, up to a digit on either side.
-std::pair<std::size_t, std::size_t> common_ends(const std::vector<EyeImage>& images) {
+std::pair<std::size_t, std::size_t> common_ends(const std::vector<RecordedImage>& images) {
   const std::string& first = images.front().name;
   std::size_t before = first.size();
   std::size_t after = first.size();
-  for (const EyeImage& image : images) {
+  for (const RecordedImage& image : images) {
     const std::string& name = image.name;
     const auto differ = std::mismatch(first.begin(), first.end(), name.begin(), name.end());
     before = std::min(before, static_cast<std::size_t>(differ.first - first.begin()));
@@ -212,29 +213,29 @@ std::int64_t period_of(const std::vector<TimestampNs>& stamps) {
 
 }  // namespace
 
-Result<void> stamps_from_file(const std::string& path, Eye& eye, std::vector<std::string>& notes) {
+Result<void> stamps_from_file(const std::string& path, ImageList& list, std::vector<std::string>& notes) {
   const Result<std::string> text = read_text_file(path, "times file", kMostBytes);
   if (!text) return text.error();
   const Result<TimesTable> table = parse_times(*text, path);
   if (!table) return table.error();
   std::map<std::string, std::size_t> images;
-  for (std::size_t i = 0; i < eye.images.size(); ++i) {
-    images[eye.images[i].name] = i;
-    eye.images[i].stamp_ns.reset();
+  for (std::size_t i = 0; i < list.images.size(); ++i) {
+    images[list.images[i].name] = i;
+    list.images[i].stamp_ns.reset();
   }
   if (!table->note.empty()) notes.push_back(fmt::format("{}: {}", fs::path(path).filename().string(), table->note));
   const auto word = naming_word(table->rows, images);
-  return word ? by_name(*table, *word, images, path, eye, notes) : by_order(*table, path, eye, notes);
+  return word ? by_name(*table, *word, images, path, list, notes) : by_order(*table, path, list, notes);
 }
 
-bool stamps_from_names(Eye& eye, std::vector<std::string>& notes) {
-  if (eye.images.empty()) return false;
+bool stamps_from_names(ImageList& list, std::vector<std::string>& notes) {
+  if (list.images.empty()) return false;
   std::size_t before = 0;
   std::size_t after = 0;
   // Alone, a name tells what is its time by being nothing else.
-  if (eye.images.size() > 1) std::tie(before, after) = common_ends(eye.images);
+  if (list.images.size() > 1) std::tie(before, after) = common_ends(list.images);
   std::vector<std::string> texts;
-  for (const EyeImage& image : eye.images) {
+  for (const RecordedImage& image : list.images) {
     if (image.name.size() < before + after) return false;
     std::string text = image.name.substr(before, image.name.size() - before - after);
     text = time_part(text);
@@ -250,14 +251,15 @@ bool stamps_from_names(Eye& eye, std::vector<std::string>& notes) {
   const bool decimal = texts.front().find('.') != std::string::npos;
   const std::int64_t step_ns = period_of(stamps);
   if (decimal && before + after > 0 && (step_ns < 1'000'000 || step_ns > 2'000'000'000)) return false;
-  std::vector<EyeImage> images = eye.images;
+  std::vector<RecordedImage> images = list.images;
   for (std::size_t i = 0; i < images.size(); ++i) images[i].stamp_ns = stamps[i];
   // The order of names is not that of decimal seconds ("5.2" is behind "5.15").
-  std::sort(images.begin(), images.end(), [](const EyeImage& a, const EyeImage& b) { return a.stamp_ns < b.stamp_ns; });
+  std::sort(images.begin(), images.end(),
+            [](const RecordedImage& a, const RecordedImage& b) { return a.stamp_ns < b.stamp_ns; });
   for (std::size_t i = 1; i < images.size(); ++i) {
     if (images[i].stamp_ns == images[i - 1].stamp_ns) return false;
   }
-  eye.images = std::move(images);
+  list.images = std::move(images);
   notes.insert(notes.end(), said.begin(), said.end());
   return true;
 }
@@ -299,7 +301,7 @@ std::string find_times(const std::string& folder) {
   return others.size() == 1 ? others.front() : std::string{};
 }
 
-std::string find_image_list(const std::string& folder, const Eye& eye) {
+std::string find_image_list(const std::string& folder, const ImageList& list) {
   constexpr std::size_t kMostFiles = 50;
   std::error_code ec;
   std::vector<fs::path> files;
@@ -311,8 +313,8 @@ std::string find_image_list(const std::string& folder, const Eye& eye) {
   }
   std::sort(files.begin(), files.end());
   std::set<std::string> names;
-  const std::string own = fs::path(eye.folder).filename().string();
-  for (const EyeImage& image : eye.images) names.insert(image.name);
+  const std::string own = fs::path(list.folder).filename().string();
+  for (const RecordedImage& image : list.images) names.insert(image.name);
   const auto is_here = [&](const std::string& word) {
     const fs::path path(word);
     if (!is_image_name(word) || names.count(image_named(word)) == 0) return false;
@@ -325,7 +327,7 @@ std::string find_image_list(const std::string& folder, const Eye& eye) {
     const auto named = std::count_if(table->rows.begin(), table->rows.end(), [&](const StampRow& row) {
       return std::any_of(row.words.begin(), row.words.end(), is_here);
     });
-    if (2 * static_cast<std::size_t>(named) > eye.images.size()) return file.string();
+    if (2 * static_cast<std::size_t>(named) > list.images.size()) return file.string();
   }
   return {};
 }

@@ -13,21 +13,21 @@
 
 namespace cliquevo::drivers {
 
-// Reads the times file into the eye's images: by name where its rows name images (rows whose image is gone and images
+// Reads the times file into the camera's images: by name where its rows name images (rows without image and images
 // without a row are left out), else row by row (one row more or fewer than images is left out at the end, one image
 // likewise). What was left out or concluded is added to `notes`. Error: other numbers of rows and images, no image of
 // the names in the file.
-Result<void> stamps_from_file(const std::string& path, Eye& eye, std::vector<std::string>& notes);
+Result<void> stamps_from_file(const std::string& path, ImageList& list, std::vector<std::string>& notes);
 
 // Stamps from the images' names, where what differs between them is a time: since 1970, or whole numbers that come at
 // an ordinary rate in ns, us or ms; a date with dashes. False (and no change) when the names are no times.
-bool stamps_from_names(Eye& eye, std::vector<std::string>& notes);
+bool stamps_from_names(ImageList& list, std::vector<std::string>& notes);
 
 // The times file in a folder (times.txt, timestamps.csv, ..., in any case); empty = none.
 std::string find_times(const std::string& folder);
 
-// The file in a folder whose rows name most of this eye's images, whatever it is called; empty = none.
-std::string find_image_list(const std::string& folder, const Eye& eye);
+// The file in a folder whose rows name most of this camera's images, whatever it is called; empty = none.
+std::string find_image_list(const std::string& folder, const ImageList& list);
 
 // Stamps in the order in which the pairs were recorded, made to rise.
 struct RisingStamps {

@@ -28,8 +28,8 @@ void put_metadata(std::vector<std::uint8_t>& out, std::string_view key, std::int
   put_number(out, value);
 }
 
-void put_eye(std::vector<std::uint8_t>& out, const Image<std::uint8_t>& image, TimestampNs stamp_ns,
-             TimestampNs host_ns) {
+void put_side(std::vector<std::uint8_t>& out, const Image<std::uint8_t>& image, TimestampNs stamp_ns,
+              TimestampNs host_ns) {
   put_number(out, floor_us(stamp_ns));
   put_number(out, static_cast<std::int32_t>(image.width()));
   put_number(out, static_cast<std::int32_t>(image.height()));
@@ -56,7 +56,7 @@ std::string_view text(ByteReader& reader) {
 
 Error unusable(const std::string& name, const std::string& why) { return {"cannot use stereo message", name, why}; }
 
-void read_metadata(ByteReader& reader, StereoMessageEye& eye) {
+void read_metadata(ByteReader& reader, StereoMessageSide& side) {
   const auto count = reader.number<std::int32_t>();
   for (std::int32_t i = 0; i < count && reader.ok(); ++i) {
     const std::string_view key = text(reader);
@@ -64,16 +64,17 @@ void read_metadata(ByteReader& reader, StereoMessageEye& eye) {
     const std::uint8_t* value = length >= 0 ? reader.bytes(static_cast<std::size_t>(length)) : nullptr;
     if (value == nullptr || length != 8) continue;
     const auto number = ByteReader(value, 8).number<std::int64_t>();
-    if (key == kStampKey) eye.stamp_ns = bounded(number);
-    if (key == kHostKey) eye.host_ns = bounded(number);
+    if (key == kStampKey) side.stamp_ns = bounded(number);
+    if (key == kHostKey) side.host_ns = bounded(number);
   }
 }
 
-Result<StereoMessageEye> read_eye(ByteReader& reader, const std::string& name) {
-  StereoMessageEye eye;
-  eye.stamp_ns = reader.number<std::int64_t>();
-  if (eye.stamp_ns > INT64_MAX / 1000 || eye.stamp_ns < INT64_MIN / 1000) return unusable(name, "its stamp is absurd");
-  eye.stamp_ns = bounded(eye.stamp_ns * 1000);
+Result<StereoMessageSide> read_side(ByteReader& reader, const std::string& name) {
+  StereoMessageSide side;
+  side.stamp_ns = reader.number<std::int64_t>();
+  if (side.stamp_ns > INT64_MAX / 1000 || side.stamp_ns < INT64_MIN / 1000)
+    return unusable(name, "its stamp is absurd");
+  side.stamp_ns = bounded(side.stamp_ns * 1000);
   const auto width = reader.number<std::int32_t>();
   const auto height = reader.number<std::int32_t>();
   const auto stride = reader.number<std::int32_t>();
@@ -81,12 +82,12 @@ Result<StereoMessageEye> read_eye(ByteReader& reader, const std::string& name) {
   const auto size = reader.number<std::int32_t>();
   if (!reader.ok() || size < 0) return unusable(name, "it is torn: record again");
   const std::uint8_t* pixels = reader.bytes(static_cast<std::size_t>(size));
-  read_metadata(reader, eye);
+  read_metadata(reader, side);
   if (!reader.ok() || pixels == nullptr) return unusable(name, "it is torn: record again");
   if (format == image_t::PIXEL_FORMAT_MJPEG) {
-    eye.jpeg = pixels;
-    eye.jpeg_size = static_cast<std::size_t>(size);
-    return eye;
+    side.jpeg = pixels;
+    side.jpeg_size = static_cast<std::size_t>(size);
+    return side;
   }
   if (format != image_t::PIXEL_FORMAT_GRAY) {
     return unusable(name, fmt::format("its pixel format is {}: record grey images of 8 bits ({}) or JPEG ({})", format,
@@ -96,8 +97,8 @@ Result<StereoMessageEye> read_eye(ByteReader& reader, const std::string& name) {
       std::int64_t{stride} * (height - 1) + width > size) {
     return unusable(name, fmt::format("an image of {}x{} does not fit its {} bytes", width, height, size));
   }
-  eye.image = {pixels, width, height, stride};
-  return eye;
+  side.image = {pixels, width, height, stride};
+  return side;
 }
 
 }  // namespace
@@ -109,8 +110,8 @@ void encode_stereo(const StereoPair& pair, std::vector<std::uint8_t>& out) {
   put_number(out, std::int32_t{2});
   put_number(out, images_t::LEFT);
   put_number(out, images_t::RIGHT);
-  put_eye(out, pair.left, pair.stamp_ns, pair.host_ns);
-  put_eye(out, pair.right, pair.stamp_ns + pair.right_offset_ns, 0);
+  put_side(out, pair.left, pair.stamp_ns, pair.host_ns);
+  put_side(out, pair.right, pair.stamp_ns + pair.right_offset_ns, 0);
 }
 
 StereoMessageStart parse_stereo_start(const std::uint8_t* data, std::size_t size) {
@@ -132,10 +133,10 @@ StereoMessageStart parse_stereo_start(const std::uint8_t* data, std::size_t size
 
 std::optional<TimestampNs> parse_stereo_stamp(const std::uint8_t* metadata, std::size_t size) {
   ByteReader reader(metadata, size);
-  StereoMessageEye eye;
-  eye.stamp_ns = INT64_MIN;
-  read_metadata(reader, eye);
-  return eye.stamp_ns == INT64_MIN ? std::nullopt : std::optional(eye.stamp_ns);
+  StereoMessageSide side;
+  side.stamp_ns = INT64_MIN;
+  read_metadata(reader, side);
+  return side.stamp_ns == INT64_MIN ? std::nullopt : std::optional(side.stamp_ns);
 }
 
 bool is_stereo_message(const std::uint8_t* data, std::size_t size) {
@@ -163,14 +164,14 @@ Result<StereoMessage> parse_stereo(const std::uint8_t* data, std::size_t size, c
   if (!reader.ok() || count < 0 || count > 64) return unusable(name, "it is torn: record again");
   std::array<std::int16_t, 64> types{};
   for (std::int32_t i = 0; i < count; ++i) types[static_cast<std::size_t>(i)] = reader.number<std::int16_t>();
-  std::optional<StereoMessageEye> left;
-  std::optional<StereoMessageEye> right;
+  std::optional<StereoMessageSide> left;
+  std::optional<StereoMessageSide> right;
   for (std::int32_t i = 0; i < count; ++i) {
     const std::int16_t type = types[static_cast<std::size_t>(i)];
-    auto eye = read_eye(reader, name);
-    if (!eye) return eye.error();
-    if (type == images_t::LEFT) left = *eye;
-    if (type == images_t::RIGHT) right = *eye;
+    auto side = read_side(reader, name);
+    if (!side) return side.error();
+    if (type == images_t::LEFT) left = *side;
+    if (type == images_t::RIGHT) right = *side;
   }
   if (!left || !right) return unusable(name, "it lacks the left or the right image");
   return StereoMessage{*left, *right};

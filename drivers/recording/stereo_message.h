@@ -18,8 +18,8 @@ inline constexpr const char* kCalibrationChannel = "VO_CALIBRATION";
 // Into `out`, whose memory is reused.
 void encode_stereo(const StereoPair& pair, std::vector<std::uint8_t>& out);
 
-// One eye of a message: where its pixels are, or the JPEG that holds them.
-struct StereoMessageEye {
+// One image of a message: where its pixels are, or the JPEG that holds them.
+struct StereoMessageSide {
   ImageView<const std::uint8_t> image;
   const std::uint8_t* jpeg = nullptr;
   std::size_t jpeg_size = 0;
@@ -27,8 +27,8 @@ struct StereoMessageEye {
   TimestampNs host_ns = 0;  // 0 = not told
 };
 struct StereoMessage {
-  StereoMessageEye left;
-  StereoMessageEye right;
+  StereoMessageSide left;
+  StereoMessageSide right;
 };
 
 // Views into `data`. Needs a left and a right image, grey with 8 bits or motion JPEG; an error's `where` is `name`.

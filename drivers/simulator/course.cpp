@@ -151,7 +151,7 @@ RigidTransform Course::T_world_camera(double frame) const {
   T_body_camera.t = {kCameraForwardM, 0.5 * baseline_m_, camera_height_m_};
   RigidTransform T = T_world_body_now * T_body_shaken * T_body_camera;
   if (kind_ == Kind::turn) {
-    // About the left eye's centre and the vertical: 0.6 degrees a frame on average, never the same twice in a row.
+    // About the left camera's centre and the vertical: 0.6 degrees a frame on average, never the same twice in a row.
     const double yaw = 2.0 * kPi / 180.0 * (0.3 * frame + 4.0 * std::sin(0.05 * frame));
     T.R = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix() * T.R;
   }

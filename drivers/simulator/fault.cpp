@@ -29,8 +29,8 @@ bool fault_active(const SimulatorOptions& o, std::int64_t frame) {
   return o.fault_frames < 0 || frame < o.fault_first + o.fault_frames;
 }
 
-std::int64_t delivered_frame(const SimulatorOptions& o, std::int64_t frame, int eye) {
-  if (eye == 0 || o.fault != "frozen" || !fault_active(o, frame)) return frame;
+std::int64_t delivered_frame(const SimulatorOptions& o, std::int64_t frame, int side) {
+  if (side == 0 || o.fault != "frozen" || !fault_active(o, frame)) return frame;
   return std::max<std::int64_t>(o.fault_first - 1, 0);
 }
 
@@ -38,16 +38,16 @@ double fault_gain(const SimulatorOptions& o, std::int64_t frame) {
   return o.fault == "night" && fault_active(o, frame) ? 0.05 : 1.0;
 }
 
-void apply_fault(const SimulatorOptions& o, std::int64_t frame, int eye, Image<std::uint8_t>& image) {
+void apply_fault(const SimulatorOptions& o, std::int64_t frame, int side, Image<std::uint8_t>& image) {
   if (!fault_active(o, frame)) return;
   const auto width = static_cast<float>(image.width());
   const auto height = static_cast<float>(image.height());
   if (o.fault == "blank") {
     image.fill(128);
   } else if (o.fault == "noise") {
-    Random random(hash_cell(mix64(o.noise_seed ^ 0x736e6f77ULL), frame, eye));
+    Random random(hash_cell(mix64(o.noise_seed ^ 0x736e6f77ULL), frame, side));
     for_each(image, [&](int, int, float) { return static_cast<float>(random.bits() & 255U); });
-  } else if (o.fault == "covered" && eye == 0) {
+  } else if (o.fault == "covered" && side == 0) {
     // Something over the left lens, out of focus: all but the upper right corner.
     for_each(image, [&](int x, int y, float grey) {
       const float edge = (static_cast<float>(x) / width - 0.72F) - (static_cast<float>(y) / height - 0.20F);
@@ -57,7 +57,7 @@ void apply_fault(const SimulatorOptions& o, std::int64_t frame, int eye, Image<s
   } else if (o.fault == "flare") {
     // The sun beside the image: a glow that wanders, a veil over everything, and ghosts; they stay with the lens.
     const auto t = static_cast<float>(static_cast<double>(frame) / o.rate_hz);
-    const float sun_x = width * (0.35F + 0.10F * std::sin(0.9F * t) + 0.01F * static_cast<float>(eye));
+    const float sun_x = width * (0.35F + 0.10F * std::sin(0.9F * t) + 0.01F * static_cast<float>(side));
     const float sun_y = height * (0.05F + 0.04F * std::sin(1.7F * t));
     for_each(image, [&](int x, int y, float grey) {
       const float dx = static_cast<float>(x) - sun_x;

@@ -12,13 +12,13 @@ namespace cliquevo::drivers::sim {
 // Whether options.fault is on at this frame of the render.
 bool fault_active(const SimulatorOptions& options, std::int64_t frame);
 
-// The frame whose image this eye delivers: an eye that is frozen keeps the last one before the fault.
-std::int64_t delivered_frame(const SimulatorOptions& options, std::int64_t frame, int eye);
+// The frame whose image this camera delivers: a camera that is frozen keeps the last one before the fault.
+std::int64_t delivered_frame(const SimulatorOptions& options, std::int64_t frame, int side);
 
 // Factor on the light that the sensor gets.
 double fault_gain(const SimulatorOptions& options, std::int64_t frame);
 
 // blank, noise, covered, flare: over the exposed image.
-void apply_fault(const SimulatorOptions& options, std::int64_t frame, int eye, Image<std::uint8_t>& image);
+void apply_fault(const SimulatorOptions& options, std::int64_t frame, int side, Image<std::uint8_t>& image);
 
 }  // namespace cliquevo::drivers::sim

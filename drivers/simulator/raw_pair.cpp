@@ -128,7 +128,7 @@ StereoCalibration simulated_calibration(const SimulatorOptions& o) {
   return c;
 }
 
-RawEye::RawEye(const CameraCalibration& camera) : raw_width_(camera.width), raw_height_(camera.height) {
+RawCamera::RawCamera(const CameraCalibration& camera) : raw_width_(camera.width), raw_height_(camera.height) {
   std::vector<Eigen::Vector2d> rays;
   rays.reserve(static_cast<std::size_t>(raw_width_) * static_cast<std::size_t>(raw_height_));
   Eigen::Vector2d low(1e9, 1e9);
@@ -159,7 +159,7 @@ RawEye::RawEye(const CameraCalibration& camera) : raw_width_(camera.width), raw_
   }
 }
 
-void RawEye::resample(const std::vector<float>& pinhole, float scale, float limit, Image<std::uint16_t>& raw) const {
+void RawCamera::resample(const std::vector<float>& pinhole, float scale, float limit, Image<std::uint16_t>& raw) const {
   const auto& weights = kernel_weights(kFractions);
   raw.resize(raw_width_, raw_height_);
   const Source* source = map_.data();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The pair as grabbed: eyes that are slightly turned against each other and lenses that distort.
+// The pair as grabbed: cameras that are slightly turned against each other and lenses that distort.
 #pragma once
 
 #include <cstdint>
@@ -14,15 +14,15 @@ namespace cliquevo::drivers::sim {
 // The rectified pair of the options: the world's truth is told for it, whether the images are raw or not.
 StereoModel rectified_model(const SimulatorOptions& options);
 
-// What SourceInfo tells. Raw: plumb-bob lenses, both eyes turned by the same angle in opposite ways (so that every
+// What SourceInfo tells. Raw: plumb-bob lenses, both cameras turned by the same angle in opposite ways (so that every
 // usual rectification turns them back to the same orientation), and that rectification as the prescribed one.
 StereoCalibration simulated_calibration(const SimulatorOptions& options);
 
-// How one raw image comes about: a pinhole image of twice the resolution in the raw eye's orientation, resampled
+// How one raw image comes about: a pinhole image of twice the resolution in the raw camera's orientation, resampled
 // through the lens. Its pixels' aperture and the resampling's kernel are symmetric, so that nothing is shifted.
-class RawEye {
+class RawCamera {
  public:
-  explicit RawEye(const CameraCalibration& camera);
+  explicit RawCamera(const CameraCalibration& camera);
 
   // The pinhole image wanted.
   int width() const { return width_; }

@@ -131,7 +131,7 @@ Renderer::Renderer(const SimulatorOptions& options, const Course& course, const 
   raw_.emplace_back(calibration_.right);
 }
 
-View Renderer::view(const RigidTransform& T_world_left, int eye) const {
+View Renderer::view(const RigidTransform& T_world_left, int side) const {
   View v;
   v.width = options_.width;
   v.height = options_.height;
@@ -140,7 +140,7 @@ View Renderer::view(const RigidTransform& T_world_left, int eye) const {
   v.cy_px = 0.5 * (options_.height - 1);
   v.R_world_camera = T_world_left.R;
   v.center = T_world_left.t;
-  if (eye == 1) {
+  if (side == 1) {
     v.center += T_world_left.R.col(0) * options_.baseline_m;
     const Eigen::Vector3d off = Eigen::Vector3d(options_.misalign_right_deg[0], options_.misalign_right_deg[1],
                                                 options_.misalign_right_deg[2]) *
@@ -150,17 +150,17 @@ View Renderer::view(const RigidTransform& T_world_left, int eye) const {
   return v;
 }
 
-View Renderer::raw_view(const RigidTransform& T_world_left, int eye) const {
-  const RawEye& raw = raw_[static_cast<std::size_t>(eye)];
-  View v = view(T_world_left, eye);
+View Renderer::raw_view(const RigidTransform& T_world_left, int side) const {
+  const RawCamera& raw = raw_[static_cast<std::size_t>(side)];
+  View v = view(T_world_left, side);
   v.width = raw.width();
   v.height = raw.height();
   v.focal_px = raw.focal_px();
   v.cx_px = raw.cx_px();
   v.cy_px = raw.cy_px();
-  // The unknown turn, if any, is one of the eye as it is mounted.
+  // The unknown turn, if any, is one of the camera as it is mounted.
   const Eigen::Matrix3d unknown = T_world_left.R.transpose() * v.R_world_camera;
-  const auto& mounted = eye == 0 ? calibration_.prescribed->R_left : calibration_.prescribed->R_right;
+  const auto& mounted = side == 0 ? calibration_.prescribed->R_left : calibration_.prescribed->R_right;
   v.R_world_camera = T_world_left.R * mounted * unknown;
   return v;
 }
@@ -169,7 +169,7 @@ void Renderer::collect(const RigidTransform& T_world_left, double frame, RenderS
                        std::vector<Visible>& visible) const {
   visible.clear();
   world_.near(T_world_left.t.x(), T_world_left.t.y(), 70.0, scratch.near);
-  // Sine over cosine of the corner's angle, with some to spare for turned eyes and lenses that see more.
+  // Sine over cosine of the corner's angle, with some to spare for turned cameras and lenses that see more.
   const double slant = 1.25 * std::hypot(0.5 * options_.width, 0.5 * options_.height) / options_.focal_px;
   const auto add = [&](const Solid& s) {
     const Eigen::Vector3d p = T_world_left.R.transpose() * (s.center - T_world_left.t);
@@ -239,40 +239,40 @@ void Renderer::render(std::int64_t frame, RenderScratch& scratch, CleanPair& out
     Eigen::Vector2d drift_m = Eigen::Vector2d::Zero();
     if (options_.scene == "water") drift_m = Eigen::Vector2d(0.9, 0.5) * (when / options_.rate_hz);
     const std::vector<Patch> dark = patches(pose, visible);
-    for (int eye = 0; eye < 2; ++eye) {
-      View v = raw ? raw_view(pose, eye) : view(pose, eye);
+    for (int side = 0; side < 2; ++side) {
+      View v = raw ? raw_view(pose, side) : view(pose, side);
       v.offset_x = samples[k].x;
       v.offset_y = samples[k].y;
-      cast(v, visible, dark, scratch.raster, scratch.passes[eye][k]);
-      shaders[eye].emplace_back(v, world_.ground(), kernels_, drift_m);
+      cast(v, visible, dark, scratch.raster, scratch.passes[side][k]);
+      shaders[side].emplace_back(v, world_.ground(), kernels_, drift_m);
     }
   }
-  // Row by row through all passes of both eyes: they see the same strip of ground, whose texels stay in the cache.
+  // Row by row through all passes of both cameras: they see the same strip of ground, whose texels stay in the cache.
   Image<std::uint16_t>* const images[2] = {&out.left, &out.right};
   const float scale = static_cast<float>(kGreyScale) / static_cast<float>(samples.size());
-  for (int eye = 0; eye < 2; ++eye) {
-    const std::size_t w = raw ? raw_[static_cast<std::size_t>(eye)].width() : options_.width;
-    const std::size_t h = raw ? raw_[static_cast<std::size_t>(eye)].height() : options_.height;
-    scratch.pinhole[eye].assign(w * h, 0.0F);
+  for (int side = 0; side < 2; ++side) {
+    const std::size_t w = raw ? raw_[static_cast<std::size_t>(side)].width() : options_.width;
+    const std::size_t h = raw ? raw_[static_cast<std::size_t>(side)].height() : options_.height;
+    scratch.pinhole[side].assign(w * h, 0.0F);
   }
   const int rows = raw ? std::max(raw_[0].height(), raw_[1].height()) : options_.height;
   for (int j = 0; j < rows; ++j) {
-    for (std::size_t eye = 0; eye < 2; ++eye) {
-      const int width = raw ? raw_[eye].width() : options_.width;
-      if (raw && j >= raw_[eye].height()) continue;
-      float* sum = scratch.pinhole[eye].data() + static_cast<std::ptrdiff_t>(j) * width;
-      for (std::size_t k = 0; k < samples.size(); ++k) shaders[eye][k].add_row(scratch.passes[eye][k], j, sum);
+    for (std::size_t side = 0; side < 2; ++side) {
+      const int width = raw ? raw_[side].width() : options_.width;
+      if (raw && j >= raw_[side].height()) continue;
+      float* sum = scratch.pinhole[side].data() + static_cast<std::ptrdiff_t>(j) * width;
+      for (std::size_t k = 0; k < samples.size(); ++k) shaders[side][k].add_row(scratch.passes[side][k], j, sum);
     }
   }
-  for (std::size_t eye = 0; eye < 2; ++eye) {
+  for (std::size_t side = 0; side < 2; ++side) {
     if (raw) {
-      raw_[eye].resample(scratch.pinhole[eye], scale, static_cast<float>(kGreyMax), *images[eye]);
+      raw_[side].resample(scratch.pinhole[side], scale, static_cast<float>(kGreyMax), *images[side]);
       continue;
     }
-    images[eye]->resize(options_.width, options_.height);
-    const float* sum = scratch.pinhole[eye].data();
+    images[side]->resize(options_.width, options_.height);
+    const float* sum = scratch.pinhole[side].data();
     for (int j = 0; j < options_.height; ++j) {
-      std::uint16_t* row = images[eye]->view().row(j);
+      std::uint16_t* row = images[side]->view().row(j);
       for (int i = 0; i < options_.width; ++i)
         row[i] = static_cast<std::uint16_t>(std::clamp(*sum++ * scale + 0.5F, 0.0F, static_cast<float>(kGreyMax)));
     }

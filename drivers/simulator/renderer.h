@@ -57,8 +57,8 @@ class Renderer {
     double level;
     bool shadow;
   };
-  View view(const RigidTransform& T_world_left, int eye) const;  // rectified
-  View raw_view(const RigidTransform& T_world_left, int eye) const;
+  View view(const RigidTransform& T_world_left, int side) const;  // rectified
+  View raw_view(const RigidTransform& T_world_left, int side) const;
   void collect(const RigidTransform& T_world_left, double frame, RenderScratch& scratch,
                std::vector<Visible>& visible) const;
   // Shadows on the ground, the robot's own among them.
@@ -74,7 +74,7 @@ class Renderer {
   const World& world_;
   const ShadeKernels& kernels_;
   StereoCalibration calibration_;
-  std::vector<RawEye> raw_;  // both eyes; empty for a rectified pair
+  std::vector<RawCamera> raw_;  // both cameras; empty for a rectified pair
 };
 
 }  // namespace cliquevo::drivers::sim

@@ -44,8 +44,8 @@ std::vector<float> normal_table() {
 // How the right camera answers beside the left one: 255 gain (v / 255)^gamma + bias, in steps of a quarter grey level.
 class Response {
  public:
-  Response(const SimulatorOptions& o, int eye)
-      : on_(eye == 1 && (o.right_gain != 1.0 || o.right_gamma != 1.0 || o.right_bias != 0.0)) {
+  Response(const SimulatorOptions& o, int side)
+      : on_(side == 1 && (o.right_gain != 1.0 || o.right_gamma != 1.0 || o.right_bias != 0.0)) {
     if (!on_) return;
     for (std::size_t i = 0; i < table_.size(); ++i) {
       const double light = static_cast<double>(i) / (4.0 * 255.0);
@@ -82,7 +82,7 @@ double exposure_gain(const SimulatorOptions& o, std::int64_t frame) {
   return std::exp(drift + target(k - 1) + done * (target(k) - target(k - 1)));
 }
 
-void expose(const SimulatorOptions& o, std::int64_t frame, int eye, ImageView<const std::uint16_t> clean,
+void expose(const SimulatorOptions& o, std::int64_t frame, int side, ImageView<const std::uint16_t> clean,
             Image<std::uint8_t>& out) {
   static const std::vector<float> kNormal = normal_table();
   out.resize(clean.width, clean.height);
@@ -95,9 +95,9 @@ void expose(const SimulatorOptions& o, std::int64_t frame, int eye, ImageView<co
   }
   const auto contrast = static_cast<float>(o.sun_contrast);
   const bool hard_sun = o.sun_contrast >= 0.0 && o.sun_contrast != 1.0;
-  const Response response(o, eye);
+  const Response response(o, side);
   const bool noisy = o.noise_sigma > 0.0 || o.shot_noise;
-  const std::uint64_t image_seed = hash_cell(mix64(o.noise_seed ^ 0x6e6f697365ULL), frame, eye);
+  const std::uint64_t image_seed = hash_cell(mix64(o.noise_seed ^ 0x6e6f697365ULL), frame, side);
   for (int j = 0; j < clean.height; ++j) {
     const std::uint16_t* in = clean.row(j);
     std::uint8_t* row = out.view().row(j);

@@ -9,10 +9,10 @@
 
 namespace cliquevo::drivers::sim {
 
-// Of both eyes: a slow drift, and steps as an automatic exposure takes them. About 0.8 to 1.2.
+// Of both cameras: a slow drift, and steps as an automatic exposure takes them. About 0.8 to 1.2.
 double exposure_gain(const SimulatorOptions& options, std::int64_t frame);
 
-void expose(const SimulatorOptions& options, std::int64_t frame, int eye, ImageView<const std::uint16_t> clean,
+void expose(const SimulatorOptions& options, std::int64_t frame, int side, ImageView<const std::uint16_t> clean,
             Image<std::uint8_t>& out);
 
 }  // namespace cliquevo::drivers::sim

@@ -197,10 +197,10 @@ Result<void> V4l2Camera::choose_format(const CameraOptions& options) {
   v4l2_format format = {};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (control_device(descriptor_, VIDIOC_G_FMT, &format) != 0) return refused("to tell its format");
-  const int eyes = options.layout == EyeLayout::two_cameras ? 1 : 2;
-  const int per_eye =
-      eye_width(options.layout, wanted, eyes) == eyes ? 1 : eyes;  // pixels of the frame for one of an eye
-  if (options.width > 0) format.fmt.pix.width = static_cast<std::uint32_t>(options.width * per_eye);
+  const int images = options.layout == CameraLayout::two_cameras ? 1 : 2;
+  const int per_image =
+      image_width(options.layout, wanted, images) == images ? 1 : images;  // pixels of the frame for one of an image
+  if (options.width > 0) format.fmt.pix.width = static_cast<std::uint32_t>(options.width * per_image);
   if (options.height > 0) format.fmt.pix.height = static_cast<std::uint32_t>(options.height);
   format.fmt.pix.pixelformat = wanted;
   format.fmt.pix.field = V4L2_FIELD_NONE;
@@ -208,7 +208,7 @@ Result<void> V4l2Camera::choose_format(const CameraOptions& options) {
   if (control_device(descriptor_, VIDIOC_S_FMT, &format) != 0) return refused("the format");
   const v4l2_pix_format& got = format.fmt.pix;
   const bool as_wanted = got.pixelformat == wanted &&
-                         (options.width == 0 || got.width == static_cast<std::uint32_t>(options.width * per_eye)) &&
+                         (options.width == 0 || got.width == static_cast<std::uint32_t>(options.width * per_image)) &&
                          (options.height == 0 || got.height == static_cast<std::uint32_t>(options.height));
   if (!as_wanted) {
     return Error{"camera refuses the size", path_,

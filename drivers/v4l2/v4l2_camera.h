@@ -31,7 +31,7 @@ struct V4l2Frame {
 
 class V4l2Camera {
  public:
-  // follows: its own exposure control stays off; it takes what the other eye found.
+  // follows: its own exposure control stays off; it takes what the other camera found.
   // trouble: told with an error.
   static Result<V4l2Camera> open(const std::string& path, const CameraOptions& options, bool follows,
                                  OpenTrouble& trouble);

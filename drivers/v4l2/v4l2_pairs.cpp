@@ -29,7 +29,7 @@ Result<std::unique_ptr<V4l2Pairs>> V4l2Pairs::open(const CameraOptions& options,
   auto left = V4l2Camera::open(options.left, options, false, trouble);
   if (!left) return left.error();
   cameras.push_back(std::move(*left));
-  if (options.layout == EyeLayout::two_cameras) {
+  if (options.layout == CameraLayout::two_cameras) {
     auto right = V4l2Camera::open(options.right, options, true, trouble);
     if (!right) return right.error();
     cameras.push_back(std::move(*right));
@@ -37,7 +37,7 @@ Result<std::unique_ptr<V4l2Pairs>> V4l2Pairs::open(const CameraOptions& options,
     const V4l2Camera& r = cameras[1];
     if (l.width() != r.width() || l.height() != r.height()) {
       return Error{
-          "eyes have unequal sizes", fmt::format("{} and {}", options.left, options.right),
+          "cameras have unequal sizes", fmt::format("{} and {}", options.left, options.right),
           fmt::format("they give {}x{} and {}x{}: set width and height", l.width(), l.height(), r.width(), r.height())};
     }
   }
@@ -46,7 +46,7 @@ Result<std::unique_ptr<V4l2Pairs>> V4l2Pairs::open(const CameraOptions& options,
   sync.triggered = options.trigger != CameraTrigger::off;
   sync.shared_clock = true;  // the kernel's
   sync.stamped_on_arrival = true;
-  const int width = eye_width(options.layout, cameras[0].fourcc(), cameras[0].width());
+  const int width = image_width(options.layout, cameras[0].fourcc(), cameras[0].width());
   const int height = cameras[0].height();
   return std::unique_ptr<V4l2Pairs>(new V4l2Pairs(options, sync, std::move(cameras), width, height));
 }
@@ -55,11 +55,12 @@ V4l2Pairs::V4l2Pairs(const CameraOptions& options, const PairSyncOptions& sync, 
                      int width, int height)
     : options_(options), width_(width), height_(height), pairs_(sync, width, height) {
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    threads_.emplace_back([this, eye = i == 0 ? Eye::left : Eye::right, camera = std::move(cameras[i])]() mutable {
-      keep_going(
-          "camera's thread", stop_, [&] { run(eye, std::move(camera)); },
-          [&](const Error& error) { pairs_.set_state(eye, error.line()); });
-    });
+    threads_.emplace_back(
+        [this, side = i == 0 ? CameraSide::left : CameraSide::right, camera = std::move(cameras[i])]() mutable {
+          keep_going(
+              "camera's thread", stop_, [&] { run(side, std::move(camera)); },
+              [&](const Error& error) { pairs_.set_state(side, error.line()); });
+        });
   }
 }
 
@@ -77,22 +78,22 @@ void V4l2Pairs::interrupt() {
   pairs_.interrupt();
 }
 
-void V4l2Pairs::run(Eye eye, V4l2Camera first) {
+void V4l2Pairs::run(CameraSide side, V4l2Camera first) {
   {
     V4l2Camera camera(std::move(first));
-    stream(eye, camera);
+    stream(side, camera);
   }
   milliseconds pause = kFirstRetry;
   while (!stop_) {
-    pairs_.set_state(eye, "reconnecting");
+    pairs_.set_state(side, "reconnecting");
     OpenTrouble ignored = OpenTrouble::lasting;  // whatever it is, there is nothing else to do than to try again
-    auto opened =
-        V4l2Camera::open(eye == Eye::left ? options_.left : options_.right, options_, eye == Eye::right, ignored);
+    auto opened = V4l2Camera::open(side == CameraSide::left ? options_.left : options_.right, options_,
+                                   side == CameraSide::right, ignored);
     const bool fits = opened.ok() && opened->height() == height_ &&
-                      eye_width(options_.layout, opened->fourcc(), opened->width()) == width_;
-    if (fits && stream(eye, *opened)) pause = kFirstRetry;
-    if (!opened.ok()) pairs_.set_state(eye, "reconnecting: " + opened.error().what);
-    if (opened.ok() && !fits) pairs_.set_state(eye, "reconnecting: it is back with another size");
+                      image_width(options_.layout, opened->fourcc(), opened->width()) == width_;
+    if (fits && stream(side, *opened)) pause = kFirstRetry;
+    if (!opened.ok()) pairs_.set_state(side, "reconnecting: " + opened.error().what);
+    if (opened.ok() && !fits) pairs_.set_state(side, "reconnecting: it is back with another size");
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait_for(lock, pause, [this] { return stop_.load(); });
     pause = std::min(2 * pause, kLastRetry);
@@ -100,9 +101,9 @@ void V4l2Pairs::run(Eye eye, V4l2Camera first) {
 }
 
 // Until it is lost or all is over. false: it delivered nothing.
-bool V4l2Pairs::stream(Eye eye, V4l2Camera& camera) {
+bool V4l2Pairs::stream(CameraSide side, V4l2Camera& camera) {
   if (!camera.start().ok()) return false;
-  pairs_.set_state(eye, "");
+  pairs_.set_state(side, "");
   bool delivered = false;
   std::int64_t last_ns = monotonic_ns();
   std::int64_t next_follow_ns = 0;
@@ -112,35 +113,35 @@ bool V4l2Pairs::stream(Eye eye, V4l2Camera& camera) {
     const V4l2Taken taken = camera.take(kTakeMs, frame);
     const std::int64_t now_ns = monotonic_ns();
     if (taken == V4l2Taken::lost || now_ns - last_ns > patience_ns) {
-      pairs_.set_state(eye, taken == V4l2Taken::lost ? "lost" : "silent");
+      pairs_.set_state(side, taken == V4l2Taken::lost ? "lost" : "silent");
       return delivered;
     }
-    if (taken == V4l2Taken::incomplete) pairs_.count_incomplete(eye);
+    if (taken == V4l2Taken::incomplete) pairs_.count_incomplete(side);
     if (taken == V4l2Taken::frame) {
-      hand_on(eye, frame);
+      hand_on(side, frame);
       delivered = true;
     }
     if (taken != V4l2Taken::nothing) last_ns = now_ns;
     if (now_ns >= next_follow_ns) {
       next_follow_ns = now_ns + kFollowNs;
-      share_exposure(eye, camera);
+      share_exposure(side, camera);
     }
   }
   return delivered;
 }
 
-void V4l2Pairs::hand_on(Eye eye, const V4l2Frame& frame) {
-  Grey& grey = grey_[static_cast<std::size_t>(eye)];
+void V4l2Pairs::hand_on(CameraSide side, const V4l2Frame& frame) {
+  Grey& grey = grey_[static_cast<std::size_t>(side)];
   const Conversion converted = to_grey(frame.raw, options_.layout, grey.left, grey.right);
   if (!converted.whole) {
-    pairs_.count_incomplete(eye);
+    pairs_.count_incomplete(side);
     return;
   }
-  if (converted.flawed) pairs_.count_flawed(eye);
+  if (converted.flawed) pairs_.count_flawed(side);
   const LiveFrame left{grey.left.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns,
                        frame.sequence};
-  if (options_.layout == EyeLayout::two_cameras) {
-    pairs_.push(eye, left);
+  if (options_.layout == CameraLayout::two_cameras) {
+    pairs_.push(side, left);
     return;
   }
   LiveFrame right = left;
@@ -148,10 +149,10 @@ void V4l2Pairs::hand_on(Eye eye, const V4l2Frame& frame) {
   pairs_.push_pair(left, right);
 }
 
-// One exposure and gain for both eyes: the right one takes over what the left one's control has found.
-void V4l2Pairs::share_exposure(Eye eye, const V4l2Camera& camera) {
-  if (options_.layout != EyeLayout::two_cameras) return;
-  if (eye == Eye::left) {
+// One exposure and gain for both cameras: the right one takes over what the left one's control has found.
+void V4l2Pairs::share_exposure(CameraSide side, const V4l2Camera& camera) {
+  if (options_.layout != CameraLayout::two_cameras) return;
+  if (side == CameraSide::left) {
     if (!options_.exposure_us) exposure_ = camera.control(V4L2_CID_EXPOSURE_ABSOLUTE).value_or(0);
     if (!options_.gain) gain_ = camera.control(V4L2_CID_GAIN).value_or(-1);
     return;

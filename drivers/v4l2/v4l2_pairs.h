@@ -25,7 +25,7 @@ class V4l2Pairs {
   V4l2Pairs(const V4l2Pairs&) = delete;
   V4l2Pairs& operator=(const V4l2Pairs&) = delete;
 
-  int width() const { return width_; }  // of an eye's image
+  int width() const { return width_; }  // of an image
   int height() const { return height_; }
   bool next(StereoPair& pair) { return pairs_.next(pair); }
   void interrupt();
@@ -35,22 +35,22 @@ class V4l2Pairs {
  private:
   V4l2Pairs(const CameraOptions& options, const PairSyncOptions& sync, std::vector<V4l2Camera> cameras, int width,
             int height);
-  void run(Eye eye, V4l2Camera first);
-  bool stream(Eye eye, V4l2Camera& camera);
-  void hand_on(Eye eye, const V4l2Frame& frame);
-  void share_exposure(Eye eye, const V4l2Camera& camera);
+  void run(CameraSide side, V4l2Camera first);
+  bool stream(CameraSide side, V4l2Camera& camera);
+  void hand_on(CameraSide side, const V4l2Frame& frame);
+  void share_exposure(CameraSide side, const V4l2Camera& camera);
 
   CameraOptions options_;
   int width_;
   int height_;
   LivePairs pairs_;
-  std::atomic<std::int32_t> exposure_{0};  // of the left eye's control, for the right one; 0 = not known
+  std::atomic<std::int32_t> exposure_{0};  // of the left camera's control, for the right one; 0 = not known
   std::atomic<std::int32_t> gain_{-1};
   struct Grey {
     Image<std::uint8_t> left;
     Image<std::uint8_t> right;
   };
-  Grey grey_[2];  // an eye's thread's
+  Grey grey_[2];  // a camera's thread's
   std::mutex mutex_;
   std::condition_variable changed_;
   std::atomic<bool> stop_{false};

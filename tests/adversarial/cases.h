@@ -15,13 +15,13 @@ namespace cliquevo::test {
 
 enum class Kind {
   plain,
-  blank,        // both eyes grey
-  noise,        // both eyes nothing but noise
-  frozen,       // the right eye keeps its last image
+  blank,        // both cameras grey
+  noise,        // both cameras nothing but noise
+  frozen,       // the right camera keeps its last image
   swapped,      // left and right exchanged
   gap,          // two frames 2 s apart
-  calibration,  // the right eye turned by a degree that the calibration does not know
-  covered,      // 70 % of the left eye
+  calibration,  // the right camera turned by a degree that the calibration does not know
+  covered,      // 70 % of the left camera
   mover,        // something that moves otherwise fills most of the view
   rotation,     // on the spot
   flare,        // a glow that stays with the lens, and a veil

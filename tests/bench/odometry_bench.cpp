@@ -81,8 +81,10 @@ Result<Sequence> prepare(const std::string& name, std::size_t most) {
     Frame frame{
         pair.stamp_ns, {width, height}, {width, height}, {width, height}, {width, height},
     };
-    if (auto r = rectifier->rectify(stereo::Eye::left, pair.left.view(), frame.left.view()); !r) return r.error();
-    if (auto r = rectifier->rectify(stereo::Eye::right, pair.right.view(), frame.right.view()); !r) return r.error();
+    if (auto r = rectifier->rectify(stereo::CameraSide::left, pair.left.view(), frame.left.view()); !r)
+      return r.error();
+    if (auto r = rectifier->rectify(stereo::CameraSide::right, pair.right.view(), frame.right.view()); !r)
+      return r.error();
     if (auto r = dense->compute(frame.left.cview(), frame.right.cview(), frame.filtered.view(), frame.disparity.view());
         !r) {
       return r.error();

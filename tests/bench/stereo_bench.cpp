@@ -115,8 +115,10 @@ Result<Rectified> rectify(const Scene& scene) {
   Rectified pair;
   for (auto* image : {&pair.left, &pair.right, &pair.filtered}) image->resize(model.width, model.height);
   pair.disparity.resize(model.width, model.height);
-  if (auto r = rectifier->rectify(stereo::Eye::left, scene.raw.left.cview(), pair.left.view()); !r) return r.error();
-  if (auto r = rectifier->rectify(stereo::Eye::right, scene.raw.right.cview(), pair.right.view()); !r) return r.error();
+  if (auto r = rectifier->rectify(stereo::CameraSide::left, scene.raw.left.cview(), pair.left.view()); !r)
+    return r.error();
+  if (auto r = rectifier->rectify(stereo::CameraSide::right, scene.raw.right.cview(), pair.right.view()); !r)
+    return r.error();
   return pair;
 }
 
@@ -255,7 +257,7 @@ Result<json> bench_rectification(const Scene& scene, int rounds) {
   Image<std::uint8_t> rectified(model.width, model.height);
   const cv::Mat raw = mat_of(scene.raw.left);
   const auto times =
-      race({[&] { (void)rectifier->rectify(stereo::Eye::left, scene.raw.left.cview(), rectified.view()); },
+      race({[&] { (void)rectifier->rectify(stereo::CameraSide::left, scene.raw.left.cview(), rectified.view()); },
             [&] { cv::remap(raw, out, map_a, map_b, cv::INTER_LINEAR); }},
            rounds);
   return beside("rectification of one image", scene.name, model.width, model.height, times);

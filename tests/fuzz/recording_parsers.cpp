@@ -39,9 +39,9 @@ std::string judge(const StereoCalibration& c) {
   for (const CameraCalibration* camera : {&c.left, &c.right}) {
     if (std::string bad = judge(*camera); !bad.empty()) return bad;
   }
-  if (!c.T_right_left.is_finite() || !(c.T_right_left.t.x() < 0.0)) return "pose of the eyes";
+  if (!c.T_right_left.is_finite() || !(c.T_right_left.t.x() < 0.0)) return "pose of the cameras";
   const Eigen::Matrix3d& R = c.T_right_left.R;
-  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-9) return "rotation of the eyes";
+  if ((R * R.transpose() - Eigen::Matrix3d::Identity()).norm() > 1e-9) return "rotation of the cameras";
   if (c.rectified && !c.prescribed) return "rectified without a model";
   if (c.prescribed) {
     if (!c.prescribed->R_left.allFinite() || !c.prescribed->R_right.allFinite()) return "rectifying rotations";

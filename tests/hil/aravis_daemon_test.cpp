@@ -145,7 +145,7 @@ TEST(AravisHil, FormatsAndSizesThatDoNotFitAreToldInOneLine) {
   ASSERT_FALSE(format.ok());
   EXPECT_EQ(trouble, drivers::OpenTrouble::lasting);
   EXPECT_NE(format.error().line().find(", Mono8,"), std::string::npos) << format.error().line();
-  // A second rig of another size: one eye of each.
+  // A second rig of another size: one camera of each.
   test::Subprocess other({test::binary("cliquevo"), "hil",
                           "sim:width=160,height=120,focal_px=175,frames=2,cache_dir=none", "--pingpong",
                           "--left-address", "127.0.0.3", "--right-address", "127.0.0.4", "--left-serial", "OTHER-LEFT",

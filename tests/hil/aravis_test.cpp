@@ -31,16 +31,16 @@ using hil::Seen;
 using hil::take;
 using std::chrono::steady_clock;
 
-// Stamps [us] of the exposures that both eyes sent.
+// Stamps [us] of the exposures that both cameras sent.
 std::set<std::int64_t> sent_by_both(const std::string& log) {
   std::set<std::int64_t> left;
   std::set<std::int64_t> both;
   std::ifstream in(log);
   std::int64_t stamp_us = 0;
-  char eye = 0;
+  char side = 0;
   int frame = 0;
   std::set<std::int64_t> right;
-  while (in >> stamp_us >> eye >> frame) (eye == 'L' ? left : right).insert(stamp_us);
+  while (in >> stamp_us >> side >> frame) (side == 'L' ? left : right).insert(stamp_us);
   std::set_intersection(left.begin(), left.end(), right.begin(), right.end(), std::inserter(both, both.end()));
   return both;
 }
@@ -51,7 +51,7 @@ struct Judged {
   std::size_t stalls = 0;
 };
 
-// Of the exposures that both eyes sent while `seen` was taken, but for those that were sent while the machine stood
+// Of the exposures that both cameras sent while `seen` was taken, but for those that were sent while the machine stood
 // still or just before or after: a camera would not have waited, and its packets would not have come in a lump.
 Judged judge(const Seen& seen, const std::string& log, const std::vector<test::StallWatch::Stall>& stalls,
              std::int64_t period_us) {
@@ -163,7 +163,7 @@ Setting setting_of(const std::string& name, drivers::CameraOptions options) {
   return {};
 }
 
-TEST(AravisHil, TheRightEyeTakesOverWhatTheLeftOnesControlFound) {
+TEST(AravisHil, TheRightCameraTakesOverWhatTheLeftOnesControlFound) {
   CLIQUEVO_NEEDS_TWO_ADDRESSES();
   const Course course;
   Rig rig(course, {"--pingpong"});
@@ -194,7 +194,7 @@ TEST(AravisHil, TheRightEyeTakesOverWhatTheLeftOnesControlFound) {
   }
 }
 
-TEST(AravisHil, SoftwareTriggersExposeBothEyesTogether) {
+TEST(AravisHil, SoftwareTriggersExposeBothCamerasTogether) {
   CLIQUEVO_NEEDS_TWO_ADDRESSES();
   const Course course;
   Rig rig(course, {"--pingpong"});

@@ -146,7 +146,7 @@ TEST(LateCameras, DaemonAndCamerasMayBeStartedInEitherOrder) {
     const test::Finished end = daemon.wait();
     EXPECT_EQ(end.exit_code, 0) << "run " << run << ": " << end.err;
     EXPECT_TRUE(!daemon_first || occurrences(end.err, "waiting for a camera") > 0) << end.err;
-    EXPECT_LE(occurrences(end.err, "waiting for a camera: no such camera"), 2U) << end.err;  // each eye once
+    EXPECT_LE(occurrences(end.err, "waiting for a camera: no such camera"), 2U) << end.err;  // each camera once
     test::Subprocess& cameras = daemon_first ? second : first;
     cameras.send(SIGTERM);
     cameras.wait();

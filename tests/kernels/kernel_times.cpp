@@ -185,11 +185,11 @@ struct Bench {
 }  // namespace
 
 void print_kernel_times() {
-  const char* const names[] = {"match, 64 disparities", "match, 128 disparities",
-                               "pre-filter, both eyes", "texture",
-                               "left-right check",      "finish",
-                               "links for speckles",    "smooth, one pass",
-                               "rectify, one eye"};
+  const char* const names[] = {"match, 64 disparities",   "match, 128 disparities",
+                               "pre-filter, both images", "texture",
+                               "left-right check",        "finish",
+                               "links for speckles",      "smooth, one pass",
+                               "rectify, one image"};
   const Isa sets[] = {Isa::reference, Isa::sse4, Isa::avx2, Isa::avx512, Isa::neon};
   Bench bench;
   std::printf("cycles a pixel, %d px wide; one cycle lasts %.3f ns\n| kernel |", kWidth, cycle_ns());

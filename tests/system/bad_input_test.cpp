@@ -47,20 +47,20 @@ TEST(BadInput, AFileInsteadOfAFolder) {
   expect_refused({"replay", file}, 1, file);
 }
 
-TEST(BadInput, OneEyeMissing) {
+TEST(BadInput, OneCameraMissing) {
   const std::string recording = made_recording();
   fs::remove_all(recording + "/image_1");
   expect_refused({"replay", recording}, 1, recording);
 }
 
-TEST(BadInput, OneEyeEmpty) {
+TEST(BadInput, OneCameraEmpty) {
   const std::string recording = made_recording();
   fs::remove_all(recording + "/image_1");
   fs::create_directory(recording + "/image_1");
   expect_refused({"replay", recording}, 1, recording);
 }
 
-TEST(BadInput, EyesOfUnequalSize) {
+TEST(BadInput, CamerasOfUnequalSize) {
   const std::string recording = made_recording();
   for (int i = 0; i < 6; ++i) {
     cv::Mat image = cv::imread(image_of(recording, 1, i));

@@ -28,7 +28,7 @@ std::pair<std::string, std::string> plane(int disparity_px) {
   cv::randu(texture, 0, 255);
   cv::GaussianBlur(texture, texture, {5, 5}, 1.0);
   const std::string folder = scratch_dir();
-  // What is at u in the left eye is at u - d in the right one.
+  // What is at u in the left camera is at u - d in the right one.
   cv::imwrite(folder + "/left.png", texture(cv::Rect(0, 0, 320, 200)));
   cv::imwrite(folder + "/right.png", texture(cv::Rect(disparity_px, 0, 320, 200)));
   return {folder + "/left.png", folder + "/right.png"};

@@ -27,13 +27,13 @@ double way_of(const Finished& done) {
   return std::regex_search(done.out, found, way) ? std::stod(found[1]) : -1.0;
 }
 
-TEST(FieldRecordings, ExchangedEyesAreToldInSoManyWordsAndSwappedOnRequest) {
+TEST(FieldRecordings, ExchangedCamerasAreToldInSoManyWordsAndSwappedOnRequest) {
   CLIQUEVO_NEEDS_FIELD("17-eyes-swapped");
   const std::string source = field_dir() + "/17-eyes-swapped";
   const Finished told = replay(source);
   EXPECT_EQ(told.exit_code, 0) << told.err;
   EXPECT_NE(told.out.find("left and right are exchanged"), std::string::npos) << told.out;
-  EXPECT_EQ(told.out.find("turn of the right eye"), std::string::npos) << told.out;
+  EXPECT_EQ(told.out.find("turn of the right camera"), std::string::npos) << told.out;
   EXPECT_EQ(told.out.find("agrees with the images"), std::string::npos) << told.out;
   const Finished swapped = replay(source, {"--swap-eyes"});
   EXPECT_EQ(swapped.exit_code, 0) << swapped.err;
@@ -44,7 +44,7 @@ TEST(FieldRecordings, ExchangedEyesAreToldInSoManyWordsAndSwappedOnRequest) {
   EXPECT_NEAR(way_of(replay(source, {"--config", config})), 3 * 0.06, 0.003);
 }
 
-TEST(FieldRecordings, TheSamePictureInBothEyesIsTold) {
+TEST(FieldRecordings, TheSamePictureInBothCamerasIsTold) {
   const std::string recording = made_recording();
   for (int i = 0; i < 6; ++i) {
     fs::copy_file(image_of(recording, 0, i), image_of(recording, 1, i), fs::copy_options::overwrite_existing);

@@ -36,11 +36,11 @@ Played play(const std::string& recording, const std::vector<std::string>& more =
 // A writable copy whose times fit its five pairs.
 std::string bayer_recording() {
   const std::string folder = scratch_dir();
-  for (const char* eye : {"left", "right"}) {
-    fs::create_directories(folder + "/" + eye);
-    for (const auto& entry : fs::directory_iterator(field_dir() + "/19-bayer/" + eye)) {
+  for (const char* side : {"left", "right"}) {
+    fs::create_directories(folder + "/" + side);
+    for (const auto& entry : fs::directory_iterator(field_dir() + "/19-bayer/" + side)) {
       std::ifstream in(entry.path(), std::ios::binary);
-      std::ofstream(folder + "/" + eye + "/" + entry.path().filename().string(), std::ios::binary) << in.rdbuf();
+      std::ofstream(folder + "/" + side + "/" + entry.path().filename().string(), std::ios::binary) << in.rdbuf();
     }
   }
   std::ofstream(folder + "/calib.txt") << read_file(field_dir() + "/19-bayer/calib.txt");
@@ -88,8 +88,8 @@ TEST(Images, AnImageOrMaskOfAbsurdSizeIsOneLineAtOnce) {
   EXPECT_EQ(lines_of(done.err).size(), 1U) << done.err;
   EXPECT_NE(done.err.find("30000x30000"), std::string::npos) << done.err;
   fs::remove(folder + "/mask_left.png");
-  for (const char* eye : {"left", "right"}) {
-    for (const auto& entry : fs::directory_iterator(folder + "/" + eye)) {
+  for (const char* side : {"left", "right"}) {
+    for (const auto& entry : fs::directory_iterator(folder + "/" + side)) {
       std::ofstream(entry.path(), std::ios::binary) << "P6 30000 30000 65535\n";
     }
   }

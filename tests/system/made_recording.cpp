@@ -61,13 +61,13 @@ std::string made_recording(int pairs) {
   return copy;
 }
 
-std::string image_of(const std::string& recording, int eye, int pair) {
-  return fmt::format("{}/image_{}/{:06}.png", recording, eye, pair);
+std::string image_of(const std::string& recording, int side, int pair) {
+  return fmt::format("{}/image_{}/{:06}.png", recording, side, pair);
 }
 
 void blank_pair(const std::string& recording, int pair) {
-  for (const int eye : {0, 1}) {
-    const std::string path = image_of(recording, eye, pair);
+  for (const int side : {0, 1}) {
+    const std::string path = image_of(recording, side, pair);
     cv::Mat image = cv::imread(path, cv::IMREAD_GRAYSCALE);
     image.setTo(128);
     cv::imwrite(path, image);

@@ -10,7 +10,7 @@ namespace cliquevo::test {
 // once a test program and copied, so that each caller may change its own.
 std::string made_recording(int pairs = 6);
 // One image file of it.
-std::string image_of(const std::string& recording, int eye, int pair);
+std::string image_of(const std::string& recording, int side, int pair);
 // Overwrites both images of a pair with one grey level: nothing to match.
 void blank_pair(const std::string& recording, int pair);
 // Cuts a file after its first bytes.

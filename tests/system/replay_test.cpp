@@ -215,13 +215,13 @@ TEST(Replay, AMaskKeepsFeaturesAwayAndChangesNothingElse) {
   const std::string everything =
       config_with(fmt::format("source: {{recording: {{left_mask: {}/all.png}}}}\n", recording));
   EXPECT_EQ(trajectory_of(recording), trajectory_of(recording, {"--config", everything}));
-  for (const char* eye : {"left_mask", "right_mask"}) {
+  for (const char* side : {"left_mask", "right_mask"}) {
     mask.setTo(0);
     cv::imwrite(recording + "/none.png", mask);
     const std::string nothing =
-        config_with(fmt::format("source: {{recording: {{{}: {}/none.png}}}}\n", eye, recording));
+        config_with(fmt::format("source: {{recording: {{{}: {}/none.png}}}}\n", side, recording));
     for (const json& frame : stats_of(recording, {"--config", nothing})["frames"])
-      EXPECT_EQ(frame["features"], 0) << eye;
+      EXPECT_EQ(frame["features"], 0) << side;
   }
 }
 

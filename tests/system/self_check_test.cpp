@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The calibration self-check on rendered courses whose right eye is turned by a twentieth of a degree.
+// The calibration self-check on rendered courses whose right camera is turned by a twentieth of a degree.
 #include "core/vo/self_check.h"
 
 #include <cmath>
@@ -66,7 +66,7 @@ void expect_found(const std::string& course) {
   }
 }
 
-TEST(SelfCheckOnTheSimulator, ATurnedRightEyeIsFoundAndDoesNotSpoilTheMotion) {
+TEST(SelfCheckOnTheSimulator, ATurnedRightCameraIsFoundAndDoesNotSpoilTheMotion) {
 #ifdef CLIQUEVO_LONG
   expect_found("frames=500");
 #else

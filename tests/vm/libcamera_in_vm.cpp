@@ -78,8 +78,8 @@ int main() {
         "20 pairs, each of one exposure, every byte exact; " + (*pairs)->status());
   ::kill(right, SIGKILL);
   ::waitpid(right, nullptr, 0);
-  for (int i = 0; i < 300 && (*pairs)->status().find("right eye: ") == std::string::npos; ++i) ::usleep(100'000);
-  check((*pairs)->status().find("right eye: ") != std::string::npos, "unplugged: " + (*pairs)->status());
+  for (int i = 0; i < 300 && (*pairs)->status().find("right camera: ") == std::string::npos; ++i) ::usleep(100'000);
+  check((*pairs)->status().find("right camera: ") != std::string::npos, "unplugged: " + (*pairs)->status());
   ::sleep(2);
   right = plug_in("1", "RIGHT", "2");
   const Seen second = take_true_pairs(**pairs, 10);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames that tell their number and eye: whoever receives one can check every byte.
+// Frames that tell their number and camera: whoever receives one can check every byte.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace cliquevo::test {
 
-// The first row is the number; the rest hangs on it, the eye (seed) and the place.
+// The first row is the number; the rest hangs on it, the camera (seed) and the place.
 inline std::uint8_t made_up_grey(unsigned number, unsigned seed, unsigned x, unsigned y) {
   if (y == 0) return static_cast<std::uint8_t>(number >> (8 * (x % 4)));
   return static_cast<std::uint8_t>(3 * x + 5 * y + 7 * number + 101 * seed + x * y / 7);
@@ -23,7 +23,7 @@ inline void make_up_yuyv(unsigned number, unsigned seed, unsigned width, unsigne
   }
 }
 
-// The number of the frame, if it is one of that eye's, byte for byte; else -1.
+// The number of the frame, if it is one of that camera's, byte for byte; else -1.
 inline std::int64_t number_of(ImageView<const std::uint8_t> image, unsigned seed) {
   if (image.width < 4) return -1;
   const auto byte = [&image](int x) { return static_cast<unsigned>(image(x, 0)); };

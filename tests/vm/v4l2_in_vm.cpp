@@ -58,7 +58,7 @@ void keep_names(const std::string& driver) {
   const auto devices = devices_of(driver);
   int i = 0;
   for (const auto& [bus, path] : devices) {
-    const std::string link = i++ == 0 ? "/dev/eye-left" : "/dev/eye-right";
+    const std::string link = i++ == 0 ? "/dev/camera-left" : "/dev/camera-right";
     std::error_code ignored;
     fs::remove(link, ignored);
     fs::create_symlink(path, link, ignored);
@@ -75,8 +75,8 @@ bool wait_for_devices(const std::string& driver, std::size_t count) {
 
 CameraOptions options_for(double rate_hz) {
   CameraOptions options;
-  options.left = "/dev/eye-left";
-  options.right = "/dev/eye-right";
+  options.left = "/dev/camera-left";
+  options.right = "/dev/camera-right";
   options.rate_hz = rate_hz;
   return options;
 }
@@ -115,8 +115,8 @@ void uvc_pair() {
           "no such camera: " + (missing.ok() ? std::string("taken") : missing.error().line()));
   }
   std::ofstream("/etc/group") << "root:x:0:\nvideo:x:44:\n";
-  for (const char* eye : {"/dev/eye-left", "/dev/eye-right"}) {  // as udev does it
-    check(::chown(eye, 0, 44) == 0 && ::chmod(eye, 0660) == 0, "the node is the group's");
+  for (const char* side : {"/dev/camera-left", "/dev/camera-right"}) {  // as udev does it
+    check(::chown(side, 0, 44) == 0 && ::chmod(side, 0660) == 0, "the node is the group's");
   }
   check(as_nobody([] {
           const auto refused = V4l2Pairs::open(options_for(10.0), trouble);
@@ -136,8 +136,8 @@ void uvc_pair() {
         "20 pairs, each of one exposure, every byte exact; " + (*pairs)->status());
   ::kill(right, SIGKILL);
   ::waitpid(right, nullptr, 0);
-  for (int i = 0; i < 600 && (*pairs)->status().find("right eye: ") == std::string::npos; ++i) ::usleep(100'000);
-  check((*pairs)->status().find("right eye: ") != std::string::npos, "unplugged: " + (*pairs)->status());
+  for (int i = 0; i < 600 && (*pairs)->status().find("right camera: ") == std::string::npos; ++i) ::usleep(100'000);
+  check((*pairs)->status().find("right camera: ") != std::string::npos, "unplugged: " + (*pairs)->status());
   for (int i = 0; i < 600 && devices_of("uvcvideo").size() != 1; ++i) ::usleep(100'000);
   right = plug_in("1", "RIGHT", "2");
   check(wait_for_devices("uvcvideo", 2), "plugged in again it appears");
@@ -191,10 +191,10 @@ void vivid_appears() {
   keep_names("vivid");
 }
 
-// Controls by name reach both eyes, and the right one takes over the gain that the left one's control has found.
+// Controls by name reach both cameras, and the right one takes over the gain that the left one's control has found.
 void vivid_controls() {
-  const std::string left = fs::canonical("/dev/eye-left").string();
-  const std::string right = fs::canonical("/dev/eye-right").string();
+  const std::string left = fs::canonical("/dev/camera-left").string();
+  const std::string right = fs::canonical("/dev/camera-right").string();
   CameraOptions options = options_for(10.0);
   options.pixel_format = "GREY";
   options.width = 320;
@@ -204,12 +204,12 @@ void vivid_controls() {
     auto pairs = V4l2Pairs::open(options, trouble);
     check(pairs.ok(), "two of them open" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
     if (!pairs.ok()) return;
-    for (const std::string& eye : {left, right}) {
-      check(control_of(eye, V4L2_CID_BRIGHTNESS) == 77 && control_of(eye, V4L2_CID_SATURATION) == 50,
-            "the controls named are set: " + eye);
+    for (const std::string& side : {left, right}) {
+      check(control_of(side, V4L2_CID_BRIGHTNESS) == 77 && control_of(side, V4L2_CID_SATURATION) == 50,
+            "the controls named are set: " + side);
     }
     check(control_of(left, V4L2_CID_AUTOGAIN) == 1 && control_of(right, V4L2_CID_AUTOGAIN) == 0,
-          "the left eye's own control is on, the right one's off");
+          "the left camera's own control is on, the right one's off");
     // vivid's automatic gain is another one every second.
     int changes = 0, followed = 0, last = control_of(left, V4L2_CID_GAIN);
     for (int i = 0; i < 100 && changes < 3; ++i) {
@@ -221,7 +221,7 @@ void vivid_controls() {
       for (int k = 0; k < 18 && control_of(right, V4L2_CID_GAIN) != found; ++k) ::usleep(50'000);
       followed += control_of(right, V4L2_CID_GAIN) == found ? 1 : 0;
     }
-    check(changes == 3 && followed >= 2, "the right eye follows the left one's gain: " + std::to_string(followed) +
+    check(changes == 3 && followed >= 2, "the right camera follows the left one's gain: " + std::to_string(followed) +
                                              " of " + std::to_string(changes) + " times");
   }
   options.controls = "no_such_thing=1";
@@ -232,31 +232,31 @@ void vivid_controls() {
 }
 
 void vivid_faults() {
-  // One camera that delivers both eyes: two that run freely are rarely in phase.
+  // One camera that delivers both images: two that run freely are rarely in phase.
   CameraOptions options = options_for(10.0);
-  options.layout = drivers::EyeLayout::side_by_side;
+  options.layout = drivers::CameraLayout::side_by_side;
   options.pixel_format = "GREY";
   options.width = 320;
   options.height = 360;
   auto pairs = V4l2Pairs::open(options, trouble);
   check(pairs.ok(), "it opens" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
   if (!pairs.ok()) return;
-  check((*pairs)->width() == 320, "an eye is half of the image");
+  check((*pairs)->width() == 320, "one image is half of the frame");
   check(take_pairs(**pairs, 5) == 5, "pairs flow; " + (*pairs)->status());
-  const std::string device = fs::canonical("/dev/eye-left").string();
+  const std::string device = fs::canonical("/dev/camera-left").string();
   for (const char* fault : {"Inject V4L2_BUF_FLAG_ERROR", "Inject Fatal Streaming Error", "Disconnect"}) {
     const std::string before = (*pairs)->status();
     check(press(device, fault), std::string(fault) + " is injected");
     bool told = false;
     for (int i = 0; i < 200 && !told; ++i) {
       const std::string status = (*pairs)->status();
-      told = status.find("left eye: ") != std::string::npos ||
+      told = status.find("left camera: ") != std::string::npos ||
              (status.find("incomplete") != std::string::npos && before.find("incomplete") == std::string::npos);
       ::usleep(5'000);
     }
     check(told, std::string("it is told: ") + (*pairs)->status());
     const bool again = take_pairs(**pairs, 10) == 10;
-    check(again && (*pairs)->status().find("left eye: ") == std::string::npos,
+    check(again && (*pairs)->status().find("left camera: ") == std::string::npos,
           "pairs flow again; " + (*pairs)->status());
   }
 }

@@ -87,11 +87,11 @@ void add_camera_keys(drivers::CameraOptions& cameras, KeyTable& t) {
   t.number("packet_size", cameras.packet_size, "bytes", between(0, 65535),
            "aravis: of the stream; 0 = as large as gets through");
   t.flag("packet_resend", cameras.packet_resend, "aravis: ask for lost packets again");
-  using drivers::EyeLayout;
+  using drivers::CameraLayout;
   t.choice("layout", cameras.layout,
-           {{"two_cameras", EyeLayout::two_cameras},
-            {"side_by_side", EyeLayout::side_by_side},
-            {"interleaved", EyeLayout::interleaved}},
+           {{"two_cameras", CameraLayout::two_cameras},
+            {"side_by_side", CameraLayout::side_by_side},
+            {"interleaved", CameraLayout::interleaved}},
            "v4l2, libcamera: two cameras, or one that delivers both pictures, side by side or pixel by pixel");
   t.text("controls", cameras.controls, "v4l2: further controls by name, e.g. brightness=0,power_line_frequency=1");
   t.file("left_mask", cameras.left_mask, "image, 0 = the vehicle's own parts; empty = none");

@@ -17,14 +17,14 @@ double grey(double x, double y) {
 }
 
 // The wall is slanted, so that no two columns see it at the same distance.
-void see(const StereoModel& m, double camera_z, double eye_x, Image<std::uint8_t>& image) {
+void see(const StereoModel& m, double camera_z, double camera_x, Image<std::uint8_t>& image) {
   image.resize(m.width, m.height);
   for (int v = 0; v < m.height; ++v) {
     for (int u = 0; u < m.width; ++u) {
       const double rx = (u - m.cx_px) / m.fx_px;
       const double ry = (v - m.cy_px) / m.fy_px;
-      const double z = (3.0 + 0.3 * eye_x - camera_z) / (1.0 - 0.3 * rx);  // wall: Z = 3 + 0.3 X
-      image.view()(u, v) = static_cast<std::uint8_t>(grey(eye_x + rx * z, ry * z));
+      const double z = (3.0 + 0.3 * camera_x - camera_z) / (1.0 - 0.3 * rx);  // wall: Z = 3 + 0.3 X
+      image.view()(u, v) = static_cast<std::uint8_t>(grey(camera_x + rx * z, ry * z));
     }
   }
 }

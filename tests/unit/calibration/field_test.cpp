@@ -106,7 +106,7 @@ TEST(field, opencv_in_xml) {
   expect_way({"09-opencv-xml", "stereo.xml"}, kRigA_m);
 }
 
-TEST(field, ros_calibrators_text_for_both_eyes_and_for_one_each) {
+TEST(field, ros_calibrators_text_for_both_cameras_and_for_one_each) {
   CLIQUEVO_NEEDS_FIELD("10-ros-ost");
   for (const char* file : {"ost.txt", "left.ini", "right.ini"}) expect_way({"10-ros-ost", file}, kRigA_m);
 }

@@ -266,9 +266,9 @@ TEST(formats, zed_sections_by_the_size_of_the_images) {
   std::string text;
   for (const auto& [name, f, cx, cy] :
        {std::tuple{"2K", 1400.0, 1104.0, 621.0}, {"HD", 700.0, 640.0, 360.0}, {"VGA", 350.0, 336.0, 188.0}}) {
-    for (const char* eye : {"LEFT", "RIGHT"}) {
+    for (const char* side : {"LEFT", "RIGHT"}) {
       text += fmt::format("[{}_CAM_{}]\nfx={}\nfy={}\ncx={}\ncy={}\nk1=-0.17\nk2=0.027\np1=0.0001\np2=0.0002\nk3=0\n\n",
-                          eye, name, f, f, cx, cy);
+                          side, name, f, f, cx, cy);
     }
   }
   text +=

@@ -117,7 +117,7 @@ TEST(spellings, a_pair_of_files_counts_as_one_beside_their_pose) {
   EXPECT_EQ(find_calibration(dir), dir + "/rig_left.yaml");
 }
 
-TEST(spellings, maps_an_eye_in_yaml_and_json) {
+TEST(spellings, maps_a_camera_in_yaml_and_json) {
   const test::Rig rig = test::make_rig();
   const std::string dir = test::scratch_dir();
   const auto rows = [](const Eigen::MatrixXd& m) {
@@ -255,7 +255,7 @@ TEST(spellings, the_same_said_twice_and_differently_is_an_error) {
   const std::string path =
       write_file(test::scratch_dir() + "/stereo.yml", first + matrix("camera_matrix_left", 3, 3, list_of(rig.K_left)));
   const auto c = read_calibration(path, 640, 480);
-  // Eyes by words beside eyes by numbers: told apart, or asked.
+  // Cameras by words beside cameras by numbers: told apart, or asked.
   ASSERT_FALSE(c.ok());
   test::expect_clear(c.error(), {"twice", "camera_matrix_left"});
 }

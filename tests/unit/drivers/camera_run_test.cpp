@@ -28,7 +28,7 @@ TEST(CameraRun, ACleanRunPassesWithItsFigures) {
   EXPECT_NE(run.histograms().find("199  ####"), std::string::npos) << run.histograms();
 }
 
-TEST(CameraRun, WrongRateMissingPairsAndEyesApartAreEachNamed) {
+TEST(CameraRun, WrongRateMissingPairsAndCamerasApartAreEachNamed) {
   const auto complaint = [](const CameraRun& run) {
     const auto verdict = run.judge();
     return verdict.complaints.size() == 1 ? verdict.complaints[0] : std::to_string(verdict.complaints.size());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every format that cameras deliver becomes the same grey image; both eyes of one frame come apart.
+// Every format that cameras deliver becomes the same grey image; both images of one frame come apart.
 #include "drivers/pixels/pixels.h"
 
 #include <algorithm>
@@ -38,7 +38,7 @@ std::vector<std::uint8_t> frame_of(std::size_t bytes, std::size_t gap, const Fil
 void expect_grey(const RawFrame& frame, int tolerance = 0) {
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
-  ASSERT_TRUE(to_grey(frame, EyeLayout::two_cameras, left, right)) << fourcc_name(frame.fourcc);
+  ASSERT_TRUE(to_grey(frame, CameraLayout::two_cameras, left, right)) << fourcc_name(frame.fourcc);
   ASSERT_TRUE(left.cview().same_size(kWidth, kHeight));
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
@@ -67,25 +67,25 @@ TEST(Pixels, PackedFormatsBecomeGreyAlsoWithGapsBetweenRows) {
   }
 }
 
-TEST(Pixels, BothEyesOfOneFrameComeApart) {
+TEST(Pixels, BothImagesOfOneFrameComeApart) {
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
   const auto side = frame_of(1, 0, [](std::uint8_t* to, int x, int y) { *to = grey(x, y); });
-  ASSERT_TRUE(
-      to_grey({side.data(), side.size(), V4L2_PIX_FMT_GREY, kWidth, kHeight, 0}, EyeLayout::side_by_side, left, right));
-  EXPECT_EQ(eye_width(EyeLayout::side_by_side, V4L2_PIX_FMT_GREY, kWidth), 8);
+  ASSERT_TRUE(to_grey({side.data(), side.size(), V4L2_PIX_FMT_GREY, kWidth, kHeight, 0}, CameraLayout::side_by_side,
+                      left, right));
+  EXPECT_EQ(image_width(CameraLayout::side_by_side, V4L2_PIX_FMT_GREY, kWidth), 8);
   EXPECT_EQ(left.cview()(7, 2), grey(7, 2));
   EXPECT_EQ(right.cview()(0, 2), grey(8, 2));
-  ASSERT_TRUE(
-      to_grey({side.data(), side.size(), V4L2_PIX_FMT_GREY, kWidth, kHeight, 0}, EyeLayout::interleaved, left, right));
+  ASSERT_TRUE(to_grey({side.data(), side.size(), V4L2_PIX_FMT_GREY, kWidth, kHeight, 0}, CameraLayout::interleaved,
+                      left, right));
   EXPECT_EQ(left.cview()(3, 1), grey(6, 1));
   EXPECT_EQ(right.cview()(3, 1), grey(7, 1));
   const auto pairs = frame_of(2, 0, [](std::uint8_t* to, int x, int y) {
     to[0] = grey(x, y);
     to[1] = static_cast<std::uint8_t>(200 - x);
   });
-  ASSERT_TRUE(to_grey({pairs.data(), pairs.size(), V4L2_PIX_FMT_YUYV, kWidth, kHeight, 0}, EyeLayout::interleaved, left,
-                      right));
+  ASSERT_TRUE(to_grey({pairs.data(), pairs.size(), V4L2_PIX_FMT_YUYV, kWidth, kHeight, 0}, CameraLayout::interleaved,
+                      left, right));
   ASSERT_TRUE(left.cview().same_size(kWidth, kHeight) && right.cview().same_size(kWidth, kHeight));
   EXPECT_EQ(left.cview()(5, 3), grey(5, 3));
   EXPECT_EQ(right.cview()(5, 3), 195);
@@ -109,9 +109,9 @@ TEST(Pixels, SamplesThatShareBytesBecomeGrey) {
     Image<std::uint8_t> left;
     Image<std::uint8_t> right;
     EXPECT_FALSE(to_grey({ten.data(), ten.size() - gap - 1, V4L2_PIX_FMT_Y10P, kWidth, kHeight, kWidth / 4 * 5 + gap},
-                         EyeLayout::two_cameras, left, right));
+                         CameraLayout::two_cameras, left, right));
     ASSERT_TRUE(to_grey({ten.data(), ten.size(), V4L2_PIX_FMT_Y10P, kWidth, kHeight, kWidth / 4 * 5 + gap},
-                        EyeLayout::side_by_side, left, right));
+                        CameraLayout::side_by_side, left, right));
     EXPECT_EQ(right.cview()(3, 2), grey(kWidth / 2 + 3, 2));
   }
   std::vector<std::uint8_t> bits(kWidth * 10 / 8 * kHeight);
@@ -147,7 +147,8 @@ TEST(Pixels, MosaicsBecomeGreyInEveryPatternAndDepth) {
     Image<std::uint8_t> left;
     Image<std::uint8_t> right;
     EXPECT_TRUE(is_known_format(c.fourcc) && is_mosaic_format(c.fourcc));
-    ASSERT_TRUE(to_grey({data.data(), data.size(), c.fourcc, kWidth, kHeight, 0}, EyeLayout::two_cameras, left, right));
+    ASSERT_TRUE(
+        to_grey({data.data(), data.size(), c.fourcc, kWidth, kHeight, 0}, CameraLayout::two_cameras, left, right));
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) EXPECT_EQ(left.cview()(x, y), (40 + 2 * 200 + 80) / 4) << fourcc_name(c.fourcc);
     }
@@ -165,7 +166,7 @@ TEST(Pixels, JpegFramesThatOnlyMakeTheDecoderWarnAreTakenAndMarked) {
     Image<std::uint8_t> image;
     const RawFrame frame{
         reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), V4L2_PIX_FMT_MJPEG, 640, 400, 0};
-    const Conversion got = to_grey(frame, EyeLayout::two_cameras, image, none);
+    const Conversion got = to_grey(frame, CameraLayout::two_cameras, image, none);
     ASSERT_TRUE(got.whole) << name;
     EXPECT_EQ(got.flawed, name[0] == 'A' || name[0] == '5') << name;
     if (clean.empty()) clean.copy_from(image.cview());
@@ -179,12 +180,12 @@ TEST(Pixels, FramesThatAreNotWholeAreRefused) {
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
   const auto data = frame_of(2, 0, [](std::uint8_t* to, int x, int y) { to[0] = grey(x, y); });
-  EXPECT_FALSE(to_grey({data.data(), data.size() - 1, V4L2_PIX_FMT_YUYV, kWidth, kHeight, 0}, EyeLayout::two_cameras,
+  EXPECT_FALSE(to_grey({data.data(), data.size() - 1, V4L2_PIX_FMT_YUYV, kWidth, kHeight, 0}, CameraLayout::two_cameras,
                        left, right));
-  EXPECT_FALSE(
-      to_grey({data.data(), data.size(), V4L2_PIX_FMT_RGB24, kWidth, kHeight, 0}, EyeLayout::two_cameras, left, right));
-  EXPECT_FALSE(
-      to_grey({data.data(), data.size(), V4L2_PIX_FMT_MJPEG, kWidth, kHeight, 0}, EyeLayout::two_cameras, left, right));
+  EXPECT_FALSE(to_grey({data.data(), data.size(), V4L2_PIX_FMT_RGB24, kWidth, kHeight, 0}, CameraLayout::two_cameras,
+                       left, right));
+  EXPECT_FALSE(to_grey({data.data(), data.size(), V4L2_PIX_FMT_MJPEG, kWidth, kHeight, 0}, CameraLayout::two_cameras,
+                       left, right));
 }
 
 TEST(Pixels, JpegIsDecodedWholeOrNotAtAll) {
@@ -213,7 +214,7 @@ TEST(Pixels, JpegIsDecodedWholeOrNotAtAll) {
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
   for (unsigned long cut = 0; cut + 2 < size; cut += 7) {
-    EXPECT_FALSE(to_grey({bytes, cut, V4L2_PIX_FMT_MJPEG, kWidth, kHeight, 0}, EyeLayout::two_cameras, left, right))
+    EXPECT_FALSE(to_grey({bytes, cut, V4L2_PIX_FMT_MJPEG, kWidth, kHeight, 0}, CameraLayout::two_cameras, left, right))
         << cut << " of " << size << " bytes";
   }
   std::free(bytes);

@@ -81,7 +81,7 @@ TEST(bad_calibration, of_another_size_is_found_where_the_file_tells_none) {
   EXPECT_TRUE(read_calibration(path, 64, 96).ok());
 }
 
-TEST(bad_calibration, with_eyes_of_unequal_size) {
+TEST(bad_calibration, with_cameras_of_unequal_size) {
   test::Rig rig = test::make_rig();
   const std::string dir = test::scratch_dir();
   write_file(dir + "/left.yaml", test::ros_yaml(rig, true));
@@ -90,11 +90,11 @@ TEST(bad_calibration, with_eyes_of_unequal_size) {
   expect_bad(dir + "/left.yaml", {"unequal sizes", "640x480", "800x480"});
 }
 
-TEST(bad_calibration, with_the_other_eye_missing) {
+TEST(bad_calibration, with_the_other_camera_missing) {
   const test::Rig rig = test::make_rig();
   const std::string dir = test::scratch_dir();
-  expect_bad(write_file(dir + "/left.yaml", test::ros_yaml(rig, true)), {"other eye is missing", "right.yaml"});
-  expect_bad(write_file(dir + "/cam0/sensor.yaml", test::euroc_yaml(rig, true)), {"other eye", "cam1/sensor.yaml"});
+  expect_bad(write_file(dir + "/left.yaml", test::ros_yaml(rig, true)), {"other camera is missing", "right.yaml"});
+  expect_bad(write_file(dir + "/cam0/sensor.yaml", test::euroc_yaml(rig, true)), {"other camera", "cam1/sensor.yaml"});
   const std::string kalibr = test::kalibr_yaml(rig);
   expect_bad_text("camchain.yaml", kalibr.substr(0, kalibr.find("cam1:")), {"lacks cam1"});
   expect_bad_text("calib.txt", "P0: 100 0 31 0 0 100 23 0 0 0 1 0\n", {"lacks P1"});

@@ -47,24 +47,24 @@ TEST(bad_recording, folder_that_is_missing_empty_or_no_folder) {
   expect_open_error(dir, {"no stereo recording", "image_0", "mav0", "left"});
 }
 
-TEST(bad_recording, one_eye_missing_or_without_images) {
+TEST(bad_recording, one_camera_missing_or_without_images) {
   std::string dir = good();
   fs::remove_all(dir + "/image_1");
-  expect_open_error(dir, {"right eye is missing", "image_1"});
+  expect_open_error(dir, {"right images are missing", "image_1"});
   fs::create_directory(dir + "/image_1");
   expect_open_error(dir, {"no images", "image_1"});
   dir = good();
   fs::remove_all(dir + "/image_0");
-  expect_open_error(dir, {"left eye is missing", "image_0"});
+  expect_open_error(dir, {"left images are missing", "image_0"});
   dir = test::scratch_dir();
   write_image(dir + "/mav0/cam0/data/1700000000000000000.png", 64, 48, 0);
-  expect_open_error(dir, {"right eye is missing", "cam1"});
+  expect_open_error(dir, {"right images are missing", "cam1"});
   dir = test::scratch_dir();
   write_image(dir + "/image_00/data/0.png", 64, 48, 0);
-  expect_open_error(dir, {"right eye is missing", "image_01/data"});
+  expect_open_error(dir, {"right images are missing", "image_01/data"});
   dir = test::scratch_dir();
   write_image(dir + "/right/0.png", 64, 48, 0);
-  expect_open_error(dir, {"left eye is missing", "left"});
+  expect_open_error(dir, {"left images are missing", "left"});
 }
 
 TEST(bad_recording, image_without_partner_is_named_and_the_rest_plays) {
@@ -75,7 +75,7 @@ TEST(bad_recording, image_without_partner_is_named_and_the_rest_plays) {
   test::expect_clear(errors[0], {"no partner", "image_0/000002.png"});
 }
 
-TEST(bad_recording, eyes_whose_images_have_nothing_in_common) {
+TEST(bad_recording, cameras_whose_images_have_nothing_in_common) {
   const std::string dir = good();
   for (const char* name : {"0", "1", "2", "3"}) {
     fs::rename(dir + "/image_1/00000" + name + ".png", dir + "/image_1/x" + name + "y7.png");
@@ -83,7 +83,7 @@ TEST(bad_recording, eyes_whose_images_have_nothing_in_common) {
   expect_open_error(dir, {"no partner", "image_0/000000.png"});
 }
 
-TEST(bad_recording, eyes_of_unequal_size) {
+TEST(bad_recording, cameras_of_unequal_size) {
   const std::string dir = good();
   for (const char* name : {"0", "1", "2", "3"}) write_image(dir + "/image_1/00000" + name + ".png", 32, 48, 0);
   expect_open_error(dir, {"unequal size", "64x48", "32x48", "image_1/000000.png"});
@@ -125,9 +125,9 @@ TEST(bad_recording, image_with_a_flipped_byte_is_torn) {
 
 TEST(bad_recording, cut_jpeg_is_torn_not_grey) {
   const std::string dir = good();
-  for (const char* eye : {"/image_0", "/image_1"}) {
-    fs::remove(dir + eye + "/000001.png");
-    write_image(dir + eye + "/000001.jpg", 64, 48, 1);
+  for (const char* side : {"/image_0", "/image_1"}) {
+    fs::remove(dir + side + "/000001.png");
+    write_image(dir + side + "/000001.jpg", 64, 48, 1);
   }
   EXPECT_TRUE(errors_of(dir, 4).empty());
   test::truncate_file(dir + "/image_1/000001.jpg", 0.9);

@@ -32,7 +32,7 @@ std::string kitti_calibration(double focal_px = 100.0, double cx_left_px = 31.5,
 // A KITTI odometry folder with `count` pairs of 64x48 at 10 Hz; the seed of image i is 2i (left) and 2i + 1 (right).
 std::string write_kitti_odometry(const std::string& folder, int count);
 
-// A raw rig as real ones are: rotated eyes, unequal cameras; and its calibration in each format.
+// A raw rig as real ones are: rotated against each other, unequal cameras; and its calibration in each format.
 struct Rig {
   int width = 640;
   int height = 480;

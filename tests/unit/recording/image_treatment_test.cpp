@@ -50,10 +50,10 @@ void expect_pixels(FrameSource& source, const std::function<int(int, int)>& valu
   StereoPair pair;
   int image = 0;
   for (auto more = source.next(pair); more.ok() && *more; more = source.next(pair)) {
-    for (const Image<std::uint8_t>* eye : {&pair.left, &pair.right}) {
+    for (const Image<std::uint8_t>* side : {&pair.left, &pair.right}) {
       for (int y = 0; y < 48; ++y) {
         for (int x = 0; x < 64; ++x) {
-          ASSERT_EQ(eye->cview()(x, y), value(test::pixel_of(x, y, image), image)) << image << " " << x << " " << y;
+          ASSERT_EQ(side->cview()(x, y), value(test::pixel_of(x, y, image), image)) << image << " " << x << " " << y;
         }
       }
       ++image;
@@ -75,7 +75,7 @@ TEST(image_treatment, twelve_bits_in_sixteen_are_scaled_and_said) {
   }
 }
 
-TEST(image_treatment, all_images_and_both_eyes_are_scaled_alike) {
+TEST(image_treatment, all_images_and_both_cameras_are_scaled_alike) {
   // The first pairs are dark: what comes later tells.
   const auto source = open(deep(".png", 6, [](int v, int i) { return i < 4 ? v / 16 : v * 4 + 1; }));
   ASSERT_NE(source, nullptr);
@@ -126,9 +126,9 @@ TEST(image_treatment, field_twelve_bits_in_png_and_pgm) {
 // With times that fit its five pairs.
 std::string bayer_recording() {
   const std::string dir = test::scratch_dir();
-  for (const char* eye : {"left", "right"}) {
+  for (const char* side : {"left", "right"}) {
     for (int i = 0; i < 5; ++i) {
-      const std::string file = fmt::format("/{}/{:06}.png", eye, i);
+      const std::string file = fmt::format("/{}/{:06}.png", side, i);
       test::write_file(dir + file, test::read_file(test::field_dir() + "/19-bayer" + file));
     }
   }
@@ -186,9 +186,9 @@ TEST(image_treatment, jpegs_that_cost_no_pixel_are_taken_and_counted) {
   const std::string from = test::field_dir() + "/02-mjpeg-that-warns/";
   const std::vector<std::string> names{"9_rst_plain.jpg", "A_rst_extraneous.jpg", "5_noEOI.jpg", "6_garbage_after.jpg"};
   for (std::size_t i = 0; i < names.size(); ++i) {
-    for (const char* eye : {"left", "right"}) {
-      fs::create_directories(fs::path(dir) / eye);
-      fs::copy(from + names[i], fmt::format("{}/{}/{:06}.jpg", dir, eye, i));
+    for (const char* side : {"left", "right"}) {
+      fs::create_directories(fs::path(dir) / side);
+      fs::copy(from + names[i], fmt::format("{}/{}/{:06}.jpg", dir, side, i));
     }
   }
   test::write_file(dir + "/times.txt", "0\n0.1\n0.2\n0.3\n");

@@ -87,7 +87,7 @@ TEST(layouts, folders_that_differ_in_what_tells_left_from_right) {
   }
 }
 
-TEST(layouts, both_eyes_in_one_folder) {
+TEST(layouts, both_cameras_in_one_folder) {
   for (const Names& names : std::vector<Names>{
            {"img_{:04}_left.png", "img_{:04}_right.png"},
            {"left{:02}.png", "right{:02}.png"},
@@ -145,7 +145,7 @@ TEST(layouts, kitti_360_with_its_calibration_beside_the_raw_data) {
 TEST(layouts, several_recordings_are_not_guessed_among) {
   const std::string dir = test::scratch_dir();
   for (const char* run : {"monday", "tuesday"}) {
-    for (const char* eye : {"left", "right"}) write_image(fmt::format("{}/{}/{}/0.png", dir, run, eye), 64, 48, 0);
+    for (const char* side : {"left", "right"}) write_image(fmt::format("{}/{}/{}/0.png", dir, run, side), 64, 48, 0);
   }
   test::expect_open_error(dir, {"several recordings", "monday, tuesday"});
 }
@@ -163,7 +163,7 @@ TEST(layouts, numbered_runs_and_frames_of_one_camera_are_no_pair) {
 TEST(layouts, one_side_of_a_nested_pair_is_missing) {
   const std::string dir = test::scratch_dir();
   write_image(dir + "/cams/LEFT/0.png", 64, 48, 0);
-  test::expect_open_error(dir, {"right eye is missing", "cams/RIGHT"});
+  test::expect_open_error(dir, {"right images are missing", "cams/RIGHT"});
 }
 
 TEST(side_words, letters_and_numbers_count_where_they_stand_alone) {

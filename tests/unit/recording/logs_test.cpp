@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/eye_watch.h"
+#include "drivers/camera_order_watch.h"
 #include "drivers/recording.h"
 #include "drivers/recording/calibration_message.h"
 #include "drivers/recording/event_log.h"
@@ -145,14 +145,14 @@ TEST(logs, an_event_that_cannot_be_decoded_costs_its_pair) {
 }
 
 // Any source's pairs, to look at what is made of them.
-TEST(eye_watch, exchanges_images_masks_and_offsets_and_keeps_the_calibration) {
+TEST(camera_order_watch, exchanges_images_masks_and_offsets_and_keeps_the_calibration) {
   const std::string dir = test::write_kitti_odometry(test::scratch_dir(), 3);
   test::write_image(dir + "/mask_left.png", 64, 48, 5);
   RecordingOptions options;
   options.path = dir;
   auto source = open_recording(options);
   ASSERT_TRUE(source.ok());
-  const auto swapped = watch_eyes(std::move(*source), true);
+  const auto swapped = watch_camera_order(std::move(*source), true);
   EXPECT_NE(swapped->info().description.find("swapped"), std::string::npos);
   EXPECT_TRUE(swapped->info().left_mask.empty());
   EXPECT_FALSE(swapped->info().right_mask.empty());
@@ -162,14 +162,14 @@ TEST(eye_watch, exchanges_images_masks_and_offsets_and_keeps_the_calibration) {
   EXPECT_EQ(pair.right.cview()(0, 0), test::pixel_of(0, 0, 0));
 }
 
-TEST(eye_watch, exchanged_eyes_of_the_field_are_told_and_swapping_puts_them_right) {
+TEST(camera_order_watch, exchanged_cameras_of_the_field_are_told_and_swapping_puts_them_right) {
   CLIQUEVO_NEEDS_FIELD("17-eyes-swapped");
   for (const bool swap : {false, true}) {
     RecordingOptions options;
     options.path = test::field_dir() + "/17-eyes-swapped";
     auto source = open_recording(options);
     ASSERT_TRUE(source.ok()) << source.error().line();
-    const auto watched = watch_eyes(std::move(*source), swap);
+    const auto watched = watch_camera_order(std::move(*source), swap);
     StereoPair pair;
     while (*watched->next(pair)) continue;
     EXPECT_EQ(watched->finding().find("left and right are exchanged") != std::string::npos, !swap)
@@ -178,7 +178,7 @@ TEST(eye_watch, exchanged_eyes_of_the_field_are_told_and_swapping_puts_them_righ
   }
 }
 
-TEST(eye_watch, real_recordings_are_as_they_say) {
+TEST(camera_order_watch, real_recordings_are_as_they_say) {
   for (const char* name : {"kitti_odometry_06", "kitti_raw", "zed_indoor", "euroc_shaken", "walk_backyard",
                            "karlsruhe_0019", "rover_minnie"}) {
     CLIQUEVO_NEEDS_DATA(name);
@@ -188,7 +188,7 @@ TEST(eye_watch, real_recordings_are_as_they_say) {
       options.last = std::string(name) == "rover_minnie" ? 1 : 7;
       auto source = open_recording(options);
       ASSERT_TRUE(source.ok()) << source.error().line();
-      const auto watched = watch_eyes(std::move(*source), swap);
+      const auto watched = watch_camera_order(std::move(*source), swap);
       StereoPair pair;
       while (*watched->next(pair)) continue;
       EXPECT_EQ(watched->finding().empty(), !swap) << name << ": " << watched->finding();

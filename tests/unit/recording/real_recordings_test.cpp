@@ -49,7 +49,7 @@ TEST(real_recordings, kitti_raw_is_unrectified_and_brings_its_rectification) {
   EXPECT_NEAR(info.calibration.prescribed->model.baseline_m, 0.5372, 1e-4);
   StereoPair pair;
   ASSERT_TRUE(source->next(pair).ok());
-  EXPECT_EQ(pair.stamp_ns, 1317045937977365760);  // the left eye's, exact
+  EXPECT_EQ(pair.stamp_ns, 1317045937977365760);  // the left camera's, exact
   EXPECT_EQ(1 + play(*source), info.frame_count);
   EXPECT_EQ(info.frame_count, 140);
 }

@@ -120,7 +120,7 @@ TEST(recording, kitti_raw_drive_with_the_days_calibration_above_it) {
     EXPECT_FALSE(source->info().calibration.rectified);
     EXPECT_TRUE(source->info().calibration.prescribed);
     EXPECT_DOUBLE_EQ(source->info().rate_hz, 1.0);
-    // Stamps of the left eye, though the right's are 0.4 s later: the same names belong together.
+    // Stamps of the left camera, though the right's are 0.4 s later: the same names belong together.
     EXPECT_EQ(play(source).stamps, (Stamps{1317081597500000001, 1317081598500000001, 1317081599500000001}));
   }
 }
@@ -244,10 +244,10 @@ TEST(recording, other_names_pair_by_time_within_a_quarter_period) {
   options.pair_tolerance_s = 0.005;
   EXPECT_EQ(play(open(options)).stamps.size(), 1U);
   options.pair_tolerance_s = 0.001;
-  test::expect_open_error(options, {"no image of the left eye is within 0.001 s", "--pair-tolerance"});
+  test::expect_open_error(options, {"no image of the left camera is within 0.001 s", "--pair-tolerance"});
 }
 
-TEST(recording, names_that_differ_in_the_eye_only_pair_by_their_number) {
+TEST(recording, names_that_differ_in_the_camera_only_pair_by_their_number) {
   const std::string dir = two_folders({"left_08.png", "left_09.png"}, {"right_08.png", "right_09.png"});
   RecordingOptions options;
   options.path = dir;

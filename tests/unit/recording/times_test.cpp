@@ -184,7 +184,8 @@ TEST(names, times_in_names_with_what_else_they_hold) {
   const auto rate_of = [](const std::vector<std::string>& names) {
     const std::string dir = test::scratch_dir();
     for (std::size_t i = 0; i < names.size(); ++i) {
-      for (const char* eye : {"left", "right"}) test::write_image(dir + "/" + eye + "/" + names[i] + ".png", 64, 48, 0);
+      for (const char* side : {"left", "right"})
+        test::write_image(dir + "/" + side + "/" + names[i] + ".png", 64, 48, 0);
     }
     test::write_file(dir + "/calib.txt", test::kitti_calibration());
     const auto source = open(dir);

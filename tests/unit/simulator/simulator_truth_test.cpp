@@ -135,7 +135,7 @@ bool smooth_around(ImageView<const float> disparity, int u, int v) {
 // Bands by depth: near ground, middle, far.
 constexpr double kBands[4] = {0.0, 2.5, 6.0, 25.0};
 
-enum Direction { to_right_eye, to_next_frame };
+enum Direction { to_right_camera, to_next_frame };
 
 // What is left over in a band, mean of some pairs of frames along the course.
 Left left_over(Scene& scene, Direction direction, int band, const std::vector<std::int64_t>& frames) {
@@ -153,7 +153,7 @@ Left left_over(Scene& scene, Direction direction, int band, const std::vector<st
         if (!std::isfinite(d) || !smooth_around(a.disparity.view(), u, v)) continue;
         const Eigen::Vector3d p = model.triangulate(u, v, d);
         if (p.z() < kBands[band] || p.z() >= kBands[band + 1]) continue;
-        if (direction == to_right_eye) {
+        if (direction == to_right_camera) {
           matches.push_back({u, v, u - d, static_cast<double>(v)});
         } else {
           const Eigen::Vector3d q = T_b_a * p;
@@ -163,7 +163,7 @@ Left left_over(Scene& scene, Direction direction, int band, const std::vector<st
       }
     }
     const Left l =
-        compare(a.pair.left.view(), {(direction == to_right_eye ? a.pair.right : b.pair.left).view()}, matches);
+        compare(a.pair.left.view(), {(direction == to_right_camera ? a.pair.right : b.pair.left).view()}, matches);
     const double share = 1.0 / static_cast<double>(frames.size());
     mean.du += share * l.du;
     mean.dv += share * l.dv;
@@ -182,7 +182,7 @@ class SimulatorTruth : public testing::TestWithParam<const char*> {};
 TEST_P(SimulatorTruth, DisparityIsWhatTheRightImageShows) {
   Scene scene(std::string("rocks=0,cache_dir=none,course=") + GetParam());
   for (int band = 0; band < 3; ++band) {
-    const Left l = left_over(scene, to_right_eye, band, {0, 37});
+    const Left l = left_over(scene, to_right_camera, band, {0, 37});
     ASSERT_GT(l.count, 30000);
     EXPECT_LT(std::abs(l.du), 0.004) << text(l);
     EXPECT_LT(std::abs(l.dv), 0.002) << text(l);
@@ -209,7 +209,7 @@ INSTANTIATE_TEST_SUITE_P(Courses, SimulatorTruth, testing::Values("wheeled", "wa
 TEST(SimulatorTruthWithRocks, NearSurfacesAreWhereTheDisparitySays) {
   Scene scene("cache_dir=none");
   for (int band = 0; band < 2; ++band) {
-    const Left l = left_over(scene, to_right_eye, band, {0, 37});
+    const Left l = left_over(scene, to_right_camera, band, {0, 37});
     EXPECT_LT(std::abs(l.du), 0.006) << text(l);
     EXPECT_LT(std::abs(l.dv), 0.004) << text(l);
   }

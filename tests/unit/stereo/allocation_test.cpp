@@ -82,8 +82,8 @@ TEST(Rectifier, TakesNoMemoryOnceItIsSetUp) {
   Image<std::uint8_t> raw(320, 240), out(rectifier->model().width, rectifier->model().height);
   fill_with_noise(raw.view(), 1);
   const long before = taken.load();
-  const bool ok = rectifier->rectify(Eye::left, raw.view(), out.view()).ok() &&
-                  rectifier->rectify_mask(Eye::right, raw.view(), out.view()).ok();
+  const bool ok = rectifier->rectify(CameraSide::left, raw.view(), out.view()).ok() &&
+                  rectifier->rectify_mask(CameraSide::right, raw.view(), out.view()).ok();
   const long after = taken.load();
   EXPECT_TRUE(ok);
   EXPECT_EQ(after, before);

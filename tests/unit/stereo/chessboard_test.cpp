@@ -40,14 +40,14 @@ BoardPairs read_board_pairs() {
     cv::Mat pair[2];
     std::vector<cv::Point2f> found[2];
     bool ok = true;
-    for (int eye = 0; eye < 2 && ok; ++eye) {
-      pair[eye] = cv::imread(data_dir() + "/chessboard/" + (eye == 0 ? "left" : "right") + std::to_string(i) + ".jpg",
-                             cv::IMREAD_GRAYSCALE);
-      ok = find_corners(pair[eye], out.board, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK, found[eye]);
+    for (int side = 0; side < 2 && ok; ++side) {
+      pair[side] = cv::imread(data_dir() + "/chessboard/" + (side == 0 ? "left" : "right") + std::to_string(i) + ".jpg",
+                              cv::IMREAD_GRAYSCALE);
+      ok = find_corners(pair[side], out.board, cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_FAST_CHECK, found[side]);
     }
-    for (int eye = 0; eye < 2 && ok; ++eye) {
-      out.corners[eye].push_back(found[eye]);
-      out.images[eye].push_back(pair[eye]);
+    for (int side = 0; side < 2 && ok; ++side) {
+      out.corners[side].push_back(found[side]);
+      out.images[side].push_back(pair[side]);
     }
   }
   return out;
@@ -59,16 +59,16 @@ StereoCalibration calibrate(const BoardPairs& pairs, const std::vector<cv::Point
   const std::vector<std::vector<cv::Point3f>> objects(images[0].size(), grid);
   cv::Mat K[2], D[2], R, T, E, F;
   std::vector<cv::Mat> r, t;
-  for (int eye = 0; eye < 2; ++eye)
-    cv::calibrateCamera(objects, corners[eye], images[eye][0].size(), K[eye], D[eye], r, t);
+  for (int side = 0; side < 2; ++side)
+    cv::calibrateCamera(objects, corners[side], images[side][0].size(), K[side], D[side], r, t);
   rms = cv::stereoCalibrate(objects, corners[0], corners[1], K[0], D[0], K[1], D[1], images[0][0].size(), R, T, E, F,
                             cv::CALIB_USE_INTRINSIC_GUESS);
   StereoCalibration c;
-  for (int eye = 0; eye < 2; ++eye) {
-    CameraCalibration& cam = eye == 0 ? c.left : c.right;
-    cam = {images[eye][0].cols,     images[eye][0].rows,     K[eye].at<double>(0, 0), K[eye].at<double>(1, 1),
-           K[eye].at<double>(0, 2), K[eye].at<double>(1, 2), Distortion::plumb_bob,   {}};
-    for (int k = 0; k < 5; ++k) cam.coefficients[k] = D[eye].at<double>(k);
+  for (int side = 0; side < 2; ++side) {
+    CameraCalibration& cam = side == 0 ? c.left : c.right;
+    cam = {images[side][0].cols,     images[side][0].rows,     K[side].at<double>(0, 0), K[side].at<double>(1, 1),
+           K[side].at<double>(0, 2), K[side].at<double>(1, 2), Distortion::plumb_bob,    {}};
+    for (int k = 0; k < 5; ++k) cam.coefficients[k] = D[side].at<double>(k);
   }
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) c.T_right_left.R(i, j) = R.at<double>(i, j);
@@ -99,10 +99,12 @@ TEST(Rectifier, OwnRectificationOfARealPairLeavesLittleVerticalError) {
   for (std::size_t i = 0; i < images[0].size(); ++i) {
     std::vector<cv::Point2f> found[2];
     bool ok = true;
-    for (int eye = 0; eye < 2 && ok; ++eye) {
+    for (int side = 0; side < 2 && ok; ++side) {
       Image<std::uint8_t> out(m.width, m.height);
-      ASSERT_TRUE(rectifier->rectify(eye == 0 ? Eye::left : Eye::right, as_view(images[eye][i]), out.view()).ok());
-      ok = find_corners(as_mat(out), pairs.board, cv::CALIB_CB_ADAPTIVE_THRESH, found[eye]);
+      ASSERT_TRUE(
+          rectifier->rectify(side == 0 ? CameraSide::left : CameraSide::right, as_view(images[side][i]), out.view())
+              .ok());
+      ok = find_corners(as_mat(out), pairs.board, cv::CALIB_CB_ADAPTIVE_THRESH, found[side]);
     }
     if (!ok) continue;
     for (std::size_t k = 0; k < grid.size(); ++k) {

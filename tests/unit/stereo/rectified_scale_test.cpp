@@ -53,7 +53,7 @@ RectifyParams params(double scale) {
 }
 
 // Where a wide blob at a point's raw projection ends up in the rectified image.
-Eigen::Vector2d centroid(const Rectifier& rectifier, Eye eye, const CameraCalibration& raw_camera,
+Eigen::Vector2d centroid(const Rectifier& rectifier, CameraSide side, const CameraCalibration& raw_camera,
                          const Eigen::Vector3d& point) {
   const auto p = CameraProjection(raw_camera).project(point);
   EXPECT_TRUE(p.has_value());
@@ -65,7 +65,7 @@ Eigen::Vector2d centroid(const Rectifier& rectifier, Eye eye, const CameraCalibr
       raw.view()(x, y) = static_cast<std::uint8_t>(std::lround(250.0 * std::exp(-r2 / 60.0)));
     }
   }
-  EXPECT_TRUE(rectifier.rectify(eye, raw.cview(), out.view()).ok());
+  EXPECT_TRUE(rectifier.rectify(side, raw.cview(), out.view()).ok());
   double sum = 0.0;
   Eigen::Vector2d mean(0, 0);
   for (int y = 0; y < out.height(); ++y) {
@@ -100,8 +100,8 @@ TEST(RectifiedScale, APointStaysOnOneRowAtTheDisparityOfTheSmallerModel) {
       } else {
         rectified = choose_rectification(c)->R_left * point;
       }
-      const Eigen::Vector2d l = centroid(*rectifier, Eye::left, left, point);
-      const Eigen::Vector2d r = centroid(*rectifier, Eye::right, right, seen_right);
+      const Eigen::Vector2d l = centroid(*rectifier, CameraSide::left, left, point);
+      const Eigen::Vector2d r = centroid(*rectifier, CameraSide::right, right, seen_right);
       EXPECT_NEAR(l.y(), r.y(), 0.06) << scale;
       const Eigen::Vector3d found = m.triangulate(l.x(), l.y(), l.x() - r.x());
       EXPECT_NEAR(found.z(), rectified.z(), 0.02) << scale << (raw ? " raw" : " rectified");
@@ -133,7 +133,7 @@ TEST(RectifiedScale, FineTextureDoesNotAliasAtHalfTheSizeAndBelow) {
     for (int y = 0; y < 480; ++y) {
       for (int x = 0; x < 640; ++x) raw.view()(x, y) = (x + y) % 2 == 0 ? 200 : 100;
     }
-    ASSERT_TRUE(rectifier->rectify(Eye::left, raw.cview(), out.view()).ok());
+    ASSERT_TRUE(rectifier->rectify(CameraSide::left, raw.cview(), out.view()).ok());
     for (int y = 2; y < out.height() - 2; ++y) {
       for (int x = 2; x < out.width() - 2; ++x) ASSERT_NEAR(out.view()(x, y), 150, 1) << scale;
     }
@@ -147,7 +147,7 @@ TEST(RectifiedScale, AMaskedRawPixelMasksEveryRectifiedOneThatItIsIn) {
   raw.fill(255);
   raw.view()(321, 242) = 0;
   Image<std::uint8_t> out(rectifier->model().width, rectifier->model().height);
-  ASSERT_TRUE(rectifier->rectify_mask(Eye::left, raw.cview(), out.view()).ok());
+  ASSERT_TRUE(rectifier->rectify_mask(CameraSide::left, raw.cview(), out.view()).ok());
   EXPECT_EQ(out.view()(80, 60), 0);
   EXPECT_EQ(out.view()(20, 20), 255);
 }

@@ -95,13 +95,13 @@ TEST(Rectifier, OwnRectificationBringsAPointToOneRowAtItsDisparity) {
     ASSERT_TRUE(m.check().ok());
     EXPECT_NEAR(m.baseline_m, c.T_right_left.t.norm(), 1e-12);
     EXPECT_EQ(m.doffs_px, 0.0);
-    // Paint a small blob at each eye's raw projection and look for its centroid in the rectified images.
+    // Paint a small blob at each camera's raw projection and look for its centroid in the rectified images.
     for (const Eigen::Vector3d& P :
          {Eigen::Vector3d(0.1, 0.05, 2.0), Eigen::Vector3d(-0.4, -0.3, 1.5), Eigen::Vector3d(0.3, 0.2, 1.2)}) {
       std::array<Eigen::Vector2d, 2> centroid;
-      for (const Eye eye : {Eye::left, Eye::right}) {
-        const CameraCalibration& raw_camera = eye == Eye::left ? c.left : c.right;
-        const auto p = CameraProjection(raw_camera).project(eye == Eye::left ? P : c.T_right_left * P);
+      for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+        const CameraCalibration& raw_camera = side == CameraSide::left ? c.left : c.right;
+        const auto p = CameraProjection(raw_camera).project(side == CameraSide::left ? P : c.T_right_left * P);
         ASSERT_TRUE(p.has_value());
         Image<std::uint8_t> raw(640, 480), out(m.width, m.height);
         for (int y = 0; y < 480; ++y) {
@@ -110,7 +110,7 @@ TEST(Rectifier, OwnRectificationBringsAPointToOneRowAtItsDisparity) {
             raw.view()(x, y) = static_cast<std::uint8_t>(std::lround(250.0 * std::exp(-r2 / 18.0)));
           }
         }
-        ASSERT_TRUE(rectifier->rectify(eye, raw.view(), out.view()).ok());
+        ASSERT_TRUE(rectifier->rectify(side, raw.view(), out.view()).ok());
         double sum = 0.0;
         Eigen::Vector2d mean(0, 0);
         for (int y = 0; y < m.height; ++y) {
@@ -119,7 +119,7 @@ TEST(Rectifier, OwnRectificationBringsAPointToOneRowAtItsDisparity) {
             mean += out.view()(x, y) * Eigen::Vector2d(x, y);
           }
         }
-        centroid[eye == Eye::right] = mean / sum;
+        centroid[side == CameraSide::right] = mean / sum;
       }
       EXPECT_NEAR(centroid[0].y(), centroid[1].y(), 0.05);
       const Eigen::Vector3d seen = m.triangulate(centroid[0].x(), centroid[0].y(), centroid[0].x() - centroid[1].x());
@@ -143,8 +143,8 @@ TEST(Rectifier, OwnRectificationOfALevelPairLeavesNoBordersAndKeepsThePixelsSize
     EXPECT_LE(m.fx_px, 1.1 * c.left.fx_px);
     Image<std::uint8_t> raw(640, 480), out(m.width, m.height);
     raw.fill(200);
-    for (const Eye eye : {Eye::left, Eye::right}) {
-      ASSERT_TRUE(rectifier->rectify(eye, raw.view(), out.view()).ok());
+    for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+      ASSERT_TRUE(rectifier->rectify(side, raw.view(), out.view()).ok());
       for (int y = 0; y < m.height; ++y) {
         for (int x = 0; x < m.width; ++x) ASSERT_EQ(out.view()(x, y), 200) << x << "," << y;
       }
@@ -161,8 +161,8 @@ TEST(Rectifier, MaskFollowsTheImage) {
   for (int y = 0; y < 480; ++y) {
     for (int x = 0; x < 640; ++x) raw.view()(x, y) = y < 300 ? 255 : 0;
   }
-  ASSERT_TRUE(rectifier->rectify(Eye::left, raw.view(), out.view()).ok());
-  ASSERT_TRUE(rectifier->rectify_mask(Eye::left, raw.view(), mask.view()).ok());
+  ASSERT_TRUE(rectifier->rectify(CameraSide::left, raw.view(), out.view()).ok());
+  ASSERT_TRUE(rectifier->rectify_mask(CameraSide::left, raw.view(), mask.view()).ok());
   for (int y = 0; y < m.height; ++y) {
     for (int x = 0; x < m.width; ++x) {
       ASSERT_TRUE(mask.view()(x, y) == 0 || mask.view()(x, y) == 255);
@@ -201,9 +201,9 @@ TEST(Rectifier, WrongSizesAreRefused) {
   auto rectifier = Rectifier::make(crooked(Distortion::plumb_bob, kPlumbBob));
   ASSERT_TRUE(rectifier.ok());
   Image<std::uint8_t> raw(640, 480), small(320, 240);
-  EXPECT_FALSE(rectifier->rectify(Eye::left, small.view(), raw.view()).ok());
-  EXPECT_FALSE(rectifier->rectify(Eye::left, raw.view(), small.view()).ok());
-  EXPECT_FALSE(rectifier->rectify(Eye::left, {}, raw.view()).ok());
+  EXPECT_FALSE(rectifier->rectify(CameraSide::left, small.view(), raw.view()).ok());
+  EXPECT_FALSE(rectifier->rectify(CameraSide::left, raw.view(), small.view()).ok());
+  EXPECT_FALSE(rectifier->rectify(CameraSide::left, {}, raw.view()).ok());
 }
 
 TEST(Rectifier, CopiesAnImageThatAlreadyIsRectified) {
@@ -218,7 +218,7 @@ TEST(Rectifier, CopiesAnImageThatAlreadyIsRectified) {
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 64; ++x) raw.view()(x, y) = static_cast<std::uint8_t>(x * 3 + y);
   }
-  ASSERT_TRUE(rectifier->rectify(Eye::right, raw.view(), out.view()).ok());
+  ASSERT_TRUE(rectifier->rectify(CameraSide::right, raw.view(), out.view()).ok());
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 64; ++x) ASSERT_EQ(raw.view()(x, y), out.view()(x, y));
   }
@@ -238,9 +238,9 @@ std::vector<double> numbers(const std::string& file, const std::string& key) {
 StereoCalibration kitti_raw() {
   const std::string file = data_dir() + "/kitti_raw/calib_cam_to_cam.txt";
   StereoCalibration c;
-  for (int eye = 0; eye < 2; ++eye) {
-    const std::string n = "_0" + std::to_string(eye);
-    CameraCalibration& cam = eye == 0 ? c.left : c.right;
+  for (int side = 0; side < 2; ++side) {
+    const std::string n = "_0" + std::to_string(side);
+    CameraCalibration& cam = side == 0 ? c.left : c.right;
     const auto S = numbers(file, "S" + n);
     const auto K = numbers(file, "K" + n);
     const auto D = numbers(file, "D" + n);
@@ -268,15 +268,15 @@ TEST(Rectifier, PrescribedRectificationOfKittiEqualsOpenCvsToAGreyLevel) {
   EXPECT_EQ(m.width, 1242);
   EXPECT_EQ(m.height, 375);
   EXPECT_NEAR(m.baseline_m, 0.5372, 1e-4);
-  for (const Eye eye : {Eye::left, Eye::right}) {
-    const std::string folder = data_dir() + "/kitti_raw/image_0" + (eye == Eye::left ? "0" : "1") + "/data";
+  for (const CameraSide side : {CameraSide::left, CameraSide::right}) {
+    const std::string folder = data_dir() + "/kitti_raw/image_0" + (side == CameraSide::left ? "0" : "1") + "/data";
     std::vector<cv::String> files;
     cv::glob(folder + "/*.png", files);
     ASSERT_FALSE(files.empty());
     const cv::Mat raw = cv::imread(files[0], cv::IMREAD_GRAYSCALE);
-    const CameraCalibration& cam = eye == Eye::left ? c.left : c.right;
+    const CameraCalibration& cam = side == CameraSide::left ? c.left : c.right;
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> R =
-        eye == Eye::left ? c.prescribed->R_left : c.prescribed->R_right;
+        side == CameraSide::left ? c.prescribed->R_left : c.prescribed->R_right;
     const cv::Mat R_cv(3, 3, CV_64F, const_cast<double*>(R.data()));
     const cv::Mat P = (cv::Mat_<double>(3, 3) << m.fx_px, 0, m.cx_px, 0, m.fy_px, m.cy_px, 0, 0, 1);
     cv::Mat map_x, map_y, expected;
@@ -285,7 +285,7 @@ TEST(Rectifier, PrescribedRectificationOfKittiEqualsOpenCvsToAGreyLevel) {
                                 {m.width, m.height}, CV_32FC1, map_x, map_y);
     cv::remap(raw, expected, map_x, map_y, cv::INTER_LINEAR);
     Image<std::uint8_t> out(m.width, m.height);
-    ASSERT_TRUE(rectifier->rectify(eye, as_view(raw), out.view()).ok());
+    ASSERT_TRUE(rectifier->rectify(side, as_view(raw), out.view()).ok());
     cv::Mat difference;
     cv::absdiff(as_mat(out), expected, difference);
     EXPECT_LT(cv::mean(difference)[0], 0.5);

@@ -12,7 +12,7 @@ namespace {
 const StereoModel kModel{512, 384, 560.0, 560.0, 255.5, 191.5, 0.12, 0.0};
 constexpr double kDegree = 3.14159265358979323846 / 180.0;
 
-// What a right eye turned by these small angles (rad) shows, in px.
+// What a right camera turned by these small angles (rad) shows, in px.
 double rows_lower(const Eigen::Vector3d& turn, double u, double v) {
   const double x = (u - kModel.cx_px) / kModel.fx_px;
   const double y = (v - kModel.cy_px) / kModel.fy_px;
@@ -36,7 +36,7 @@ void watch(SelfCheck& check, const Eigen::Vector3d& turn, double offset_px, int 
   }
 }
 
-TEST(SelfCheck, FindsTurnAndOffsetOfTheRightEyeWithinItsSigmas) {
+TEST(SelfCheck, FindsTurnAndOffsetOfTheRightCameraWithinItsSigmas) {
   for (const Eigen::Vector3d& degrees : {Eigen::Vector3d(0.05, 0.0, 0.0), Eigen::Vector3d(0.0, 0.05, 0.0),
                                          Eigen::Vector3d(0.0, 0.0, 0.05), Eigen::Vector3d(-0.03, 0.06, -0.08)}) {
     SelfCheck check(kModel, {});

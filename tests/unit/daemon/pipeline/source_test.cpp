@@ -24,9 +24,9 @@ class Greys : public drivers::FrameSource {
     if (at_ >= frames_) return false;
     pair.index = at_;
     pair.stamp_ns = 1'000 + 10 * at_ * at_;
-    for (auto* eye : {&pair.left, &pair.right}) {
-      eye->resize(8, 4);
-      eye->fill(static_cast<std::uint8_t>(at_));
+    for (auto* image : {&pair.left, &pair.right}) {
+      image->resize(8, 4);
+      image->fill(static_cast<std::uint8_t>(at_));
     }
     ++at_;
     return true;

@@ -18,14 +18,15 @@ LivePairs make(bool shared_clock) {
   return LivePairs(options, 64, 48);
 }
 
-// Both eyes' frames of exposure k, the right eye's clock apart by `offset_ns`.
+// Both cameras' frames of exposure k, the right camera's clock apart by `offset_ns`.
 void push(LivePairs& pairs, std::int64_t k, std::int64_t offset_ns, bool right_too = true) {
   StereoPair pair;
   test::make_up_pair(k, test::made_up_info(), pair);
   const std::int64_t t_ns = k * kPeriodNs;
-  pairs.push(Eye::left, {pair.left.cview(), kUtcNs + t_ns, t_ns + 5'000'000, kUtcNs + t_ns + 5'000'000});
+  pairs.push(CameraSide::left, {pair.left.cview(), kUtcNs + t_ns, t_ns + 5'000'000, kUtcNs + t_ns + 5'000'000});
   if (!right_too) return;
-  pairs.push(Eye::right, {pair.right.cview(), kUtcNs + t_ns + offset_ns, t_ns + 6'000'000, kUtcNs + t_ns + 6'000'000});
+  pairs.push(CameraSide::right,
+             {pair.right.cview(), kUtcNs + t_ns + offset_ns, t_ns + 6'000'000, kUtcNs + t_ns + 6'000'000});
 }
 
 TEST(LivePairs, FramesOfOneClockComeOutAsTheyAreFromTheFirstOn) {
@@ -69,26 +70,26 @@ TEST(LivePairs, TellsHowDeepItsQueuesHaveBeen) {
   EXPECT_EQ(pairs.queues(), "frames waiting for their partner up to 1/0, pairs ready up to 3 of 4");
 }
 
-TEST(LivePairs, FramesOfAnotherSizeAreIncompleteAndAnEyeAloneGivesNothing) {
+TEST(LivePairs, FramesOfAnotherSizeAreIncompleteAndACameraAloneGivesNothing) {
   LivePairs pairs = make(true);
   Image<std::uint8_t> small(32, 48);
   small.fill(0);
-  pairs.push(Eye::left, {small.cview(), kUtcNs, 0, kUtcNs});
-  EXPECT_EQ(pairs.incomplete(Eye::left), 1);
+  pairs.push(CameraSide::left, {small.cview(), kUtcNs, 0, kUtcNs});
+  EXPECT_EQ(pairs.incomplete(CameraSide::left), 1);
   for (std::int64_t k = 1; k < 300; ++k) push(pairs, k, 0, false);
-  pairs.set_state(Eye::right, "reconnecting");
-  EXPECT_NE(pairs.status().find("right eye: reconnecting; right eye lost"), std::string::npos) << pairs.status();
+  pairs.set_state(CameraSide::right, "reconnecting");
+  EXPECT_NE(pairs.status().find("right camera: reconnecting; right camera lost"), std::string::npos) << pairs.status();
   pairs.interrupt();
   StereoPair pair;
   EXPECT_FALSE(pairs.next(pair));
 }
 
-TEST(LivePairs, EyesOfUnequalRatesAreToldWithWhatToDo) {
+TEST(LivePairs, CamerasOfUnequalRatesAreToldWithWhatToDo) {
   LivePairs pairs = make(true);
   for (std::int64_t k = 0; k < 120; ++k) push(pairs, k, 0, k % 7 != 3);  // lost frames are no other rate
   EXPECT_EQ(pairs.status().find("Hz"), std::string::npos) << pairs.status();
   for (std::int64_t k = 120; k < 240; ++k) push(pairs, k, 0, k % 2 == 0);
-  EXPECT_NE(pairs.status().find("the eyes send 30.0 and 15.0 Hz where rate_hz is 30.0: give both that rate"),
+  EXPECT_NE(pairs.status().find("the cameras send 30.0 and 15.0 Hz where rate_hz is 30.0: give both that rate"),
             std::string::npos)
       << pairs.status();
 }
@@ -96,8 +97,8 @@ TEST(LivePairs, EyesOfUnequalRatesAreToldWithWhatToDo) {
 TEST(LivePairs, FramesWithFlawsThatCostNoPixelAreCounted) {
   LivePairs pairs = make(true);
   EXPECT_EQ(pairs.status().find("flaws"), std::string::npos);
-  pairs.count_flawed(Eye::left);
-  pairs.count_flawed(Eye::left);
+  pairs.count_flawed(CameraSide::left);
+  pairs.count_flawed(CameraSide::left);
   EXPECT_NE(pairs.status().find("taken with flaws that cost no pixel 2/0"), std::string::npos) << pairs.status();
 }
 

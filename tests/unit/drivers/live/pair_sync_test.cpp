@@ -46,10 +46,10 @@ TEST(pair_sync, on_quiet_cameras_a_pair_goes_out_with_its_second_frame) {
   int waiting = 0;
   for (const TormentFrame& f : make_torment(torment)) {
     outcome.clear();
-    sync.push(f.eye, f.frame, outcome);
+    sync.push(f.camera, f.frame, outcome);
     if (f.frame.token < 30) continue;  // the clocks are learnt, and confirmed
     for (const SyncPair& pair : outcome.pairs) EXPECT_EQ(pair.left, f.frame.token);
-    waiting = std::max(waiting, static_cast<int>(sync.waiting(Eye::left) + sync.waiting(Eye::right)));
+    waiting = std::max(waiting, static_cast<int>(sync.waiting(CameraSide::left) + sync.waiting(CameraSide::right)));
   }
   EXPECT_EQ(waiting, 1);
 }
@@ -69,7 +69,7 @@ TEST(pair_sync, torment_of_a_million_frames_gives_no_false_pair) {
     all.pairs += tally.pairs;
     all.false_pairs += tally.false_pairs;
     steps += torment.exposures / torment.step_every;
-    EXPECT_GE(sync.counts(Eye::left).clock_steps + sync.counts(Eye::right).clock_steps, steps / 10);
+    EXPECT_GE(sync.counts(CameraSide::left).clock_steps + sync.counts(CameraSide::right).clock_steps, steps / 10);
   }
   EXPECT_GE(all.frames, 1'000'000);
   EXPECT_EQ(all.false_pairs, 0);
@@ -84,7 +84,7 @@ TEST(pair_sync, without_steps_nearly_every_true_pair_is_found) {
   const Tally tally = run(torment, sync);
   EXPECT_EQ(tally.false_pairs, 0);
   EXPECT_GE(static_cast<double>(tally.pairs), 0.99 * 0.98 * 0.98 * 50'000);
-  const SyncCounts& left = sync.counts(Eye::left);
+  const SyncCounts& left = sync.counts(CameraSide::left);
   EXPECT_NEAR(static_cast<double>(left.missing - left.out_of_order), 0.02 * 50'000, 100);
   EXPECT_NEAR(static_cast<double>(left.doubled), 0.01 * 0.98 * 50'000, 100);
 }
@@ -119,7 +119,7 @@ TEST(pair_sync, after_a_step_nothing_goes_out_until_certain) {
     std::int64_t quiet = 0;
     for (const TormentFrame& f : make_torment(torment)) {
       outcome.clear();
-      sync.push(f.eye, f.frame, outcome);
+      sync.push(f.camera, f.frame, outcome);
       for (const SyncPair& pair : outcome.pairs) ASSERT_EQ(pair.left, pair.right);
       if (f.frame.token < 1500) continue;
       if (sync.state() != SyncState::synchronised) learning = true;
@@ -150,7 +150,7 @@ TEST(pair_sync, free_running_cameras_pair_by_the_nearest_exposure_within_the_tol
   EXPECT_GE(tally.pairs, 18'000);
 }
 
-TEST(pair_sync, lost_eye_is_reported_and_comes_back) {
+TEST(pair_sync, lost_camera_is_reported_and_comes_back) {
   TormentOptions torment;
   torment.exposures = 1500;
   torment.arrival_jitter = 0.05;
@@ -159,17 +159,17 @@ TEST(pair_sync, lost_eye_is_reported_and_comes_back) {
   SyncOutcome outcome;
   std::set<std::uint32_t> paired;
   for (const TormentFrame& f : make_torment(torment)) {
-    if (f.eye == Eye::right && f.frame.token >= 500 && f.frame.token < 1000) continue;
+    if (f.camera == CameraSide::right && f.frame.token >= 500 && f.frame.token < 1000) continue;
     outcome.clear();
-    sync.push(f.eye, f.frame, outcome);
+    sync.push(f.camera, f.frame, outcome);
     for (const SyncPair& pair : outcome.pairs) {
       EXPECT_EQ(pair.left, pair.right);
       paired.insert(pair.left);
     }
     if (f.frame.token == 900) {
       EXPECT_EQ(sync.state(), SyncState::right_lost);
-      EXPECT_EQ(sync.waiting(Eye::left),
-                0);  // nothing is kept for an eye that is gone
+      EXPECT_EQ(sync.waiting(CameraSide::left),
+                0);  // nothing is kept for a camera that is gone
     }
   }
   EXPECT_EQ(sync.state(), SyncState::synchronised);
@@ -177,15 +177,15 @@ TEST(pair_sync, lost_eye_is_reported_and_comes_back) {
   outcome.clear();
   sync.advance(std::numeric_limits<std::int64_t>::max() / 2, outcome);
   EXPECT_EQ(sync.state(), SyncState::both_lost);
-  EXPECT_STREQ(sync_state_name(sync.state()), "both eyes lost");
+  EXPECT_STREQ(sync_state_name(sync.state()), "both cameras lost");
 }
 
-TEST(pair_sync, eye_that_never_delivers_is_lost) {
+TEST(pair_sync, camera_that_never_delivers_is_lost) {
   PairSync sync(at_30_hz());
   SyncOutcome outcome;
   for (int k = 0; k < 60; ++k) {
     const std::int64_t t = k * 33'333'333LL;
-    sync.push(Eye::left, {t, 5'000'000'000 + t, static_cast<std::uint32_t>(k)}, outcome);
+    sync.push(CameraSide::left, {t, 5'000'000'000 + t, static_cast<std::uint32_t>(k)}, outcome);
   }
   EXPECT_EQ(sync.state(), SyncState::right_lost);
   EXPECT_TRUE(outcome.pairs.empty());
@@ -200,9 +200,9 @@ TEST(pair_sync, after_the_first_frames_its_lists_do_not_grow) {
   std::size_t most = 0;
   for (const TormentFrame& f : make_torment(torment)) {
     outcome.clear();
-    sync.push(f.eye, f.frame, outcome);
+    sync.push(f.camera, f.frame, outcome);
     most = std::max(most, outcome.released.size() + 2 * outcome.pairs.size());
-    ASSERT_LE(sync.waiting(Eye::left) + sync.waiting(Eye::right), 160);
+    ASSERT_LE(sync.waiting(CameraSide::left) + sync.waiting(CameraSide::right), 160);
   }
   EXPECT_LE(most, 200U);
 }
@@ -219,7 +219,7 @@ TEST(pair_sync, absurd_stamps_are_counted_and_harm_nothing) {
     if (i % 5 == 0) stamp = kMost;
     if (i % 5 == 1) stamp = std::numeric_limits<std::int64_t>::min();
     if (i % 5 == 2) stamp = static_cast<std::int64_t>(state >> 34U);
-    sync.push(state >> 63U != 0 ? Eye::left : Eye::right, {stamp, i * 1'000'000LL, i}, outcome);
+    sync.push(state >> 63U != 0 ? CameraSide::left : CameraSide::right, {stamp, i * 1'000'000LL, i}, outcome);
     outcome.clear();
     check_counts(sync, tally);
   }

@@ -88,7 +88,7 @@ TEST(pair_sync, torment_on_a_shared_clock_gives_no_false_pair) {
   EXPECT_GE(static_cast<double>(all.pairs), 0.97 * 0.98 * 0.98 * 100'000);
 }
 
-// A host that stalls, now for one eye and now for both, and stamps what has come meanwhile when it goes on; some frames
+// A host that stalls, for one camera or for both, and stamps what has come meanwhile when it goes on; some frames
 // are lost on the wire, where the driver's count does not see them.
 std::vector<TormentFrame> stamped_by_a_stalling_host(std::uint64_t seed, std::int64_t exposures, double period_ns) {
   std::mt19937_64 random(seed);
@@ -102,17 +102,17 @@ std::vector<TormentFrame> stamped_by_a_stalling_host(std::uint64_t seed, std::in
     const double t_ns = static_cast<double>(k + 1) * period_ns;
     const bool both = even(0, 1) < 0.01;
     const double long_ns = even(0.2, 4.0) * period_ns;
-    for (const std::size_t eye : {std::size_t{0}, std::size_t{1}}) {
-      if (both || even(0, 1) < 0.02) busy_until_ns[eye] = t_ns + (both ? long_ns : even(0.2, 4.0) * period_ns);
+    for (const std::size_t camera : {std::size_t{0}, std::size_t{1}}) {
+      if (both || even(0, 1) < 0.02) busy_until_ns[camera] = t_ns + (both ? long_ns : even(0.2, 4.0) * period_ns);
       if (even(0, 1) < 0.005) continue;
       TormentFrame f;
-      f.eye = eye == 0 ? Eye::left : Eye::right;
+      f.camera = camera == 0 ? CameraSide::left : CameraSide::right;
       f.exposure_ns = std::llround(t_ns);
-      f.frame.arrival_ns = std::llround(std::max(t_ns + 1e6, busy_until_ns[eye]) + even(0.0, 1e6));
-      busy_until_ns[eye] = std::max(busy_until_ns[eye], static_cast<double>(f.frame.arrival_ns));
+      f.frame.arrival_ns = std::llround(std::max(t_ns + 1e6, busy_until_ns[camera]) + even(0.0, 1e6));
+      busy_until_ns[camera] = std::max(busy_until_ns[camera], static_cast<double>(f.frame.arrival_ns));
       f.frame.stamp_ns = f.frame.arrival_ns;
       f.frame.token = static_cast<std::uint32_t>(k);
-      f.frame.sequence = sequence[eye]++;
+      f.frame.sequence = sequence[camera]++;
       frames.push_back(f);
     }
   }
@@ -131,7 +131,7 @@ TEST(pair_sync, stamps_made_by_a_stalling_host_give_no_false_pair) {
     SyncOutcome outcome;
     Tally tally;
     for (const TormentFrame& f : stamped_by_a_stalling_host(seed, 20'000, 1e9 / 30.0)) {
-      sync.push(f.eye, f.frame, outcome);
+      sync.push(f.camera, f.frame, outcome);
       for (const SyncPair& pair : outcome.pairs) ASSERT_EQ(pair.left, pair.right) << "seed " << seed;
       pairs += static_cast<std::int64_t>(outcome.pairs.size());
       outcome.clear();
@@ -153,9 +153,9 @@ TEST(pair_sync, on_a_shared_clock_a_stall_costs_its_own_frames_alone) {
   constexpr std::int64_t kPeriodNs = 33'333'333;
   for (std::uint32_t k = 0; k < 3000; ++k) {
     t_ns += kPeriodNs + static_cast<std::int64_t>(random() % 20'000'000);  // triggered, but at no steady pace
-    sync.push(Eye::left, {t_ns, t_ns + 1'000'000, k, k}, outcome);
+    sync.push(CameraSide::left, {t_ns, t_ns + 1'000'000, k, k}, outcome);
     const std::int64_t late_ns = k % 50 == 0 ? kPeriodNs / 2 : 0;
-    sync.push(Eye::right, {t_ns, t_ns + 1'000'000 + late_ns, k, k}, outcome);
+    sync.push(CameraSide::right, {t_ns, t_ns + 1'000'000 + late_ns, k, k}, outcome);
     for (const SyncPair& pair : outcome.pairs) ASSERT_EQ(pair.left, pair.right);
     pairs += static_cast<std::int64_t>(outcome.pairs.size());
     outcome.clear();

@@ -24,9 +24,10 @@ struct Tally {
 };
 
 inline void check_counts(const drivers::PairSync& sync, Tally& tally) {
-  for (const drivers::Eye eye : {drivers::Eye::left, drivers::Eye::right}) {
-    const drivers::SyncCounts& c = sync.counts(eye);
-    if (c.received != c.paired + c.unpaired + c.late + c.doubled + c.uncertain + sync.waiting(eye)) ++tally.miscounted;
+  for (const drivers::CameraSide camera : {drivers::CameraSide::left, drivers::CameraSide::right}) {
+    const drivers::SyncCounts& c = sync.counts(camera);
+    if (c.received != c.paired + c.unpaired + c.late + c.doubled + c.uncertain + sync.waiting(camera))
+      ++tally.miscounted;
   }
 }
 
@@ -39,8 +40,8 @@ inline Tally run(const TormentOptions& options, drivers::PairSync& sync) {
   std::int64_t last = -1;
   std::int64_t handed_back = 0;
   for (const TormentFrame& f : frames) {
-    exposures[static_cast<std::size_t>(f.eye)][f.frame.token] = f.exposure_ns;
-    sync.push(f.eye, f.frame, outcome);
+    exposures[static_cast<std::size_t>(f.camera)][f.frame.token] = f.exposure_ns;
+    sync.push(f.camera, f.frame, outcome);
     for (const drivers::SyncPair& pair : outcome.pairs) {
       ++tally.pairs;
       if (pair.left != pair.right) ++tally.false_pairs;
@@ -55,7 +56,8 @@ inline Tally run(const TormentOptions& options, drivers::PairSync& sync) {
   }
   tally.frames = static_cast<std::int64_t>(frames.size());
   // Every token comes back once, but for those that still wait.
-  EXPECT_EQ(handed_back + sync.waiting(drivers::Eye::left) + sync.waiting(drivers::Eye::right), tally.frames);
+  EXPECT_EQ(handed_back + sync.waiting(drivers::CameraSide::left) + sync.waiting(drivers::CameraSide::right),
+            tally.frames);
   EXPECT_EQ(tally.miscounted, 0);
   EXPECT_EQ(tally.disordered, 0);
   return tally;

@@ -15,7 +15,7 @@ namespace cliquevo::drivers {
 // unstepped clock says so: mostly the frame itself, at once. Until then it is held. Bounds on the noise within which
 // what is called certain is right, in periods: stamps +-0.1, arrivals +-0.4 but for single frames that may be any
 // amount late; pace against the nominal rate 1 %.
-class EyeClock {
+class CameraClock {
  public:
   enum class Verdict {
     certain,    // `index` is right; with `confirms`, so are those held before
@@ -32,7 +32,7 @@ class EyeClock {
     std::int64_t missing = 0;  // numbers left out just before this one
   };
 
-  explicit EyeClock(double period_ns) : nominal_ns_(period_ns), period_ns_(period_ns) {}
+  explicit CameraClock(double period_ns) : nominal_ns_(period_ns), period_ns_(period_ns) {}
 
   // A frame's stamp on the camera's clock and its arrival on the host's.
   Reading read(TimestampNs stamp_ns, std::int64_t arrival_ns);

@@ -12,7 +12,7 @@
 
 namespace cliquevo::stereo {
 
-enum class EyeOrder {
+enum class CameraOrder {
   unknown,    // too little matches either way (far or bare scene, wrong calibration, too few frames yet)
   as_said,    // the left image is the left camera's
   exchanged,  // the left image is the right camera's
@@ -27,10 +27,10 @@ struct OrderEvidence {
 };
 
 // Works on images reduced to at most 256 px in width, a few of them; a pair costs some milliseconds.
-class EyeOrderCheck {
+class CameraOrderCheck {
  public:
   // Of images of this size; allocates everything.
-  static Result<EyeOrderCheck> make(int width, int height);
+  static Result<CameraOrderCheck> make(int width, int height);
 
   // Best on rectified images; a few rows of error do no harm. Images of another size, or a scene without contrast:
   // no evidence.
@@ -39,16 +39,16 @@ class EyeOrderCheck {
   double measure_forward(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right);
   // Into the account; true: the pair changed what order() says.
   bool add(const OrderEvidence& seen);
-  EyeOrder order() const { return order_; }
+  CameraOrder order() const { return order_; }
   // Whether the pair with this running number (from 0) is worth a look: the first ones, later now and then for as long
   // as the order is unknown.
   bool wants(std::int64_t number) const;
 
  private:
-  EyeOrderCheck(int width, int height, int factor, DenseStereo dense);
+  CameraOrderCheck(int width, int height, int factor, DenseStereo dense);
   void reduce(ImageView<const std::uint8_t> from, Image<std::uint8_t>& to) const;
   double matched_share(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right);
-  EyeOrder judge() const;
+  CameraOrder judge() const;
 
   int width_;
   int height_;
@@ -63,14 +63,14 @@ class EyeOrderCheck {
   int identical_ = 0;
   double forward_ = 0.0;
   double backward_ = 0.0;
-  EyeOrder order_ = EyeOrder::unknown;
+  CameraOrder order_ = CameraOrder::unknown;
 };
 
 // Whether two images are the same picture, but for what a second compression does to it. Asked of images as grabbed:
-// rectification turns each eye its own way.
+// rectification turns each camera its own way.
 bool are_identical(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right);
 
 // One plain sentence for what needs doing; empty for `unknown` and `as_said`.
-std::string describe(EyeOrder order);
+std::string describe(CameraOrder order);
 
 }  // namespace cliquevo::stereo

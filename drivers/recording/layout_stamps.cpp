@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which times file belongs to the images of a layout: one beside each eye's images, or one for both.
+// Which times file belongs to the images of a layout: one beside each camera's images, or one for both.
 #include <algorithm>
 #include <filesystem>
 
@@ -12,7 +12,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// In the folder of an eye's images, or beside it under its name.
+// In the folder of a camera's images, or beside it under its name.
 std::string times_of(const fs::path& folder) {
   std::error_code ec;
   if (fs::is_regular_file(folder / "data.csv", ec)) return (folder / "data.csv").string();
@@ -29,7 +29,7 @@ std::string times_of(const fs::path& folder) {
   return {};
 }
 
-// From the images' folder up to, but without, the folder that both eyes share.
+// From the images' folder up to, but without, the folder that both cameras share.
 std::string own_times(const std::string& folder, const std::string& shared) {
   std::error_code ec;
   const fs::path top = fs::weakly_canonical(shared, ec);
@@ -39,9 +39,9 @@ std::string own_times(const std::string& folder, const std::string& shared) {
   return {};
 }
 
-bool same_names(const Eye& a, const Eye& b) {
+bool same_names(const ImageList& a, const ImageList& b) {
   return std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(),
-                    [](const EyeImage& x, const EyeImage& y) { return x.name == y.name; });
+                    [](const RecordedImage& x, const RecordedImage& y) { return x.name == y.name; });
 }
 
 std::string shared_folder(const Layout& layout) {
@@ -68,7 +68,7 @@ Result<void> find_stamps(Layout& layout, const std::string& top) {
     std::vector<std::string> said_already;
     return stamps_from_file(right_times, layout.right, said_already);
   }
-  // One list of times serves both eyes only where the names say which images belong together.
+  // One list of times serves both cameras only where the names say which images belong together.
   std::string times = left_times;
   std::error_code ec;
   const fs::path last = fs::weakly_canonical(top, ec);

@@ -1,31 +1,31 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/eye_watch.h"
+#include "drivers/camera_order_watch.h"
 
 #include <atomic>
 #include <optional>
 #include <utility>
 
-#include "stereo/eye_order.h"
+#include "stereo/camera_order.h"
 #include "stereo/rectify.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-// The order of the eyes by rectified images; nothing where the calibration allows none.
-class OrderOfEyes {
+// The order of the cameras by rectified images; nothing where the calibration allows none.
+class RectifiedOrder {
  public:
-  static std::optional<OrderOfEyes> make(const SourceInfo& info) {
+  static std::optional<RectifiedOrder> make(const SourceInfo& info) {
     auto rectifier = stereo::Rectifier::make(info.calibration);
     if (!rectifier) return std::nullopt;
-    auto check = stereo::EyeOrderCheck::make(rectifier->model().width, rectifier->model().height);
+    auto check = stereo::CameraOrderCheck::make(rectifier->model().width, rectifier->model().height);
     if (!check) return std::nullopt;
-    return OrderOfEyes(std::move(*rectifier), std::move(*check));
+    return RectifiedOrder(std::move(*rectifier), std::move(*check));
   }
 
   bool wants(std::int64_t number) const { return check_.wants(number); }
-  // Each order with the rectification that belongs to it: exchanged images fit that of the other eye.
-  stereo::EyeOrder look(const StereoPair& pair) {
+  // Each order with the rectification that belongs to it: exchanged images fit that of the other camera.
+  stereo::CameraOrder look(const StereoPair& pair) {
     stereo::OrderEvidence seen;
     seen.forward = matched(pair.left, pair.right);
     seen.backward = matched(pair.right, pair.left);
@@ -36,28 +36,28 @@ class OrderOfEyes {
 
  private:
   double matched(const Image<std::uint8_t>& left, const Image<std::uint8_t>& right) {
-    using stereo::Eye;
-    const bool rectified = rectifier_.rectify(Eye::left, left.cview(), left_.view()).ok() &&
-                           rectifier_.rectify(Eye::right, right.cview(), right_.view()).ok();
+    using stereo::CameraSide;
+    const bool rectified = rectifier_.rectify(CameraSide::left, left.cview(), left_.view()).ok() &&
+                           rectifier_.rectify(CameraSide::right, right.cview(), right_.view()).ok();
     return rectified ? check_.measure_forward(left_.cview(), right_.cview()) : 0.0;
   }
 
-  OrderOfEyes(stereo::Rectifier rectifier, stereo::EyeOrderCheck check)
+  RectifiedOrder(stereo::Rectifier rectifier, stereo::CameraOrderCheck check)
       : rectifier_(std::move(rectifier)), check_(std::move(check)) {
     left_.resize(rectifier_.model().width, rectifier_.model().height);
     right_.resize(rectifier_.model().width, rectifier_.model().height);
   }
 
   stereo::Rectifier rectifier_;
-  stereo::EyeOrderCheck check_;
+  stereo::CameraOrderCheck check_;
   Image<std::uint8_t> left_;
   Image<std::uint8_t> right_;
 };
 
-class EyeWatch final : public FrameSource {
+class CameraOrderWatch final : public FrameSource {
  public:
-  EyeWatch(std::unique_ptr<FrameSource> source, bool swap)
-      : source_(std::move(source)), swap_(swap), order_(OrderOfEyes::make(source_->info())) {
+  CameraOrderWatch(std::unique_ptr<FrameSource> source, bool swap)
+      : source_(std::move(source)), swap_(swap), order_(RectifiedOrder::make(source_->info())) {
     if (swap_) swapped_info_ = swapped(source_->info());
   }
 
@@ -88,7 +88,7 @@ class EyeWatch final : public FrameSource {
  private:
   static SourceInfo swapped(const SourceInfo& info) {
     SourceInfo out;
-    out.description = info.description + " (eyes swapped)";
+    out.description = info.description + " (cameras swapped)";
     out.width = info.width;
     out.height = info.height;
     out.frame_count = info.frame_count;
@@ -108,16 +108,16 @@ class EyeWatch final : public FrameSource {
 
   std::unique_ptr<FrameSource> source_;
   bool swap_;
-  std::optional<OrderOfEyes> order_;
+  std::optional<RectifiedOrder> order_;
   std::optional<SourceInfo> swapped_info_;
   std::int64_t count_ = 0;
-  std::atomic<stereo::EyeOrder> found_{stereo::EyeOrder::unknown};
+  std::atomic<stereo::CameraOrder> found_{stereo::CameraOrder::unknown};
 };
 
 }  // namespace
 
-std::unique_ptr<FrameSource> watch_eyes(std::unique_ptr<FrameSource> source, bool swap) {
-  return std::make_unique<EyeWatch>(std::move(source), swap);
+std::unique_ptr<FrameSource> watch_camera_order(std::unique_ptr<FrameSource> source, bool swap) {
+  return std::make_unique<CameraOrderWatch>(std::move(source), swap);
 }
 
 }  // namespace cliquevo::drivers

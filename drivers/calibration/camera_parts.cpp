@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/calibration/eye_parts.h"
+#include "drivers/calibration/camera_parts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,39 +16,39 @@ bool all_zero(const std::vector<double>& v) {
   return std::all_of(v.begin(), v.end(), [](double x) { return x == 0.0; });
 }
 
-bool has_projection(const EyeParts& eye) { return eye.P.size() == 12 && !all_zero(eye.P); }
+bool has_projection(const CameraParts& parts) { return parts.P.size() == 12 && !all_zero(parts.P); }
 
-// An eye without a camera matrix, or without a rotation: of rectified images, where nothing bends.
-Result<void> fill_from_projection(EyeParts& eye) {
-  const bool straight = all_zero(eye.D);
-  if (eye.camera.fx_px <= 0.0) {
-    if (!straight) return calibration_error("camera matrix is singular (focal length <= 0)", eye.where);
-    eye.camera.fx_px = eye.P[0];
-    eye.camera.fy_px = eye.P[5];
-    eye.camera.cx_px = eye.P[2];
-    eye.camera.cy_px = eye.P[6];
+// A camera without a camera matrix, or without a rotation: of rectified images, where nothing bends.
+Result<void> fill_from_projection(CameraParts& parts) {
+  const bool straight = all_zero(parts.D);
+  if (parts.camera.fx_px <= 0.0) {
+    if (!straight) return calibration_error("camera matrix is singular (focal length <= 0)", parts.where);
+    parts.camera.fx_px = parts.P[0];
+    parts.camera.fy_px = parts.P[5];
+    parts.camera.cx_px = parts.P[2];
+    parts.camera.cy_px = parts.P[6];
   }
-  if (!eye.R) {
+  if (!parts.R) {
     if (!straight) {
-      return calibration_error("rectification is not told (R of zeros) though the lens has distortion", eye.where);
+      return calibration_error("rectification is not told (R of zeros) though the lens has distortion", parts.where);
     }
-    eye.R = Eigen::Matrix3d::Identity();
+    parts.R = Eigen::Matrix3d::Identity();
   }
   return {};
 }
 
 // Images that nothing bends and turns, with projections of unequal focal lengths or rows: two plain cameras.
-bool is_plain_pair(const EyeParts& left, const EyeParts& right) {
-  const auto straight = [](const EyeParts& eye) {
-    return all_zero(eye.D) && (*eye.R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9;
+bool is_plain_pair(const CameraParts& left, const CameraParts& right) {
+  const auto straight = [](const CameraParts& parts) {
+    return all_zero(parts.D) && (*parts.R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < 1e-9;
   };
   const bool unequal = std::abs(left.P[0] - right.P[0]) > 1e-6 || std::abs(left.P[5] - right.P[5]) > 1e-6 ||
                        std::abs(left.P[6] - right.P[6]) > 1e-6;
   return straight(left) && straight(right) && unequal;
 }
 
-// Projections are of rectified images, whose rows and scale are one; some producers give each eye its own all the same.
-void mend_projections(EyeParts& left, EyeParts& right, std::vector<std::string>& notes) {
+// Projections are of rectified images, whose rows and scale are one; some producers give each camera its own anyway.
+void mend_projections(CameraParts& left, CameraParts& right, std::vector<std::string>& notes) {
   constexpr double kSmall = 0.015;
   if (!(std::abs(left.P[0] / right.P[0] - 1.0) < kSmall && std::abs(left.P[5] / right.P[5] - 1.0) < kSmall &&
         std::abs(left.P[6] - right.P[6]) < kSmall * left.P[5])) {
@@ -66,15 +66,16 @@ void mend_projections(EyeParts& left, EyeParts& right, std::vector<std::string>&
   right.P[3] = baseline_m * right.P[0];
 }
 
-Result<StereoCalibration> plain_pair(const EyeParts& left, const EyeParts& right, std::vector<std::string> notes,
+Result<StereoCalibration> plain_pair(const CameraParts& left, const CameraParts& right, std::vector<std::string> notes,
                                      const CalibrationRequest& request) {
   StereoCalibration c;
   c.notes = std::move(notes);
-  for (const EyeParts* eye : {&left, &right}) {
-    CameraCalibration& camera = eye == &left ? c.left : c.right;
-    camera = eye->camera;
-    const std::vector<double>& P = eye->P;
-    if (auto ok = set_camera_matrix({P[0], P[1], P[2], P[4], P[5], P[6], P[8], P[9], P[10]}, eye->where, camera); !ok) {
+  for (const CameraParts* parts : {&left, &right}) {
+    CameraCalibration& camera = parts == &left ? c.left : c.right;
+    camera = parts->camera;
+    const std::vector<double>& P = parts->P;
+    if (auto ok = set_camera_matrix({P[0], P[1], P[2], P[4], P[5], P[6], P[8], P[9], P[10]}, parts->where, camera);
+        !ok) {
       return ok.error();
     }
     camera.distortion = Distortion::none;
@@ -85,20 +86,20 @@ Result<StereoCalibration> plain_pair(const EyeParts& left, const EyeParts& right
 
 }  // namespace
 
-Result<void> put_camera_matrix(const std::vector<double>& K, const std::string& where, EyeParts& eye) {
+Result<void> put_camera_matrix(const std::vector<double>& K, const std::string& where, CameraParts& parts) {
   if (all_zero(K)) return {};
-  return set_camera_matrix(K, where, eye.camera);
+  return set_camera_matrix(K, where, parts.camera);
 }
 
-Result<void> put_rectification(const std::vector<double>& R, const std::string& where, EyeParts& eye) {
+Result<void> put_rectification(const std::vector<double>& R, const std::string& where, CameraParts& parts) {
   if (all_zero(R)) return {};
   const Eigen::Matrix3d rotation = matrix3_from(R);
   if (auto ok = check_rotation(rotation, where); !ok) return ok;
-  eye.R = rotation;
+  parts.R = rotation;
   return {};
 }
 
-Result<void> settle_lenses(EyeParts& left, EyeParts& right, const CalibrationOptions& options,
+Result<void> settle_lenses(CameraParts& left, CameraParts& right, const CalibrationOptions& options,
                            std::vector<std::string>& notes) {
   const bool unnamed = left.lens.empty() && right.lens.empty() && left.D.size() == 4 && right.D.size() == 4;
   if (unnamed && !options.lens.empty()) {
@@ -109,28 +110,29 @@ Result<void> settle_lenses(EyeParts& left, EyeParts& right, const CalibrationOpt
     if (!guess.note.empty()) notes.push_back(guess.note + " (" + left.D_where + ")");
     left.lens = right.lens = guess.lens;
   }
-  for (EyeParts* eye : {&left, &right}) {
-    if (auto ok = set_distortion(eye->lens, eye->D, eye->D_where, eye->camera); !ok) return ok;
+  for (CameraParts* parts : {&left, &right}) {
+    if (auto ok = set_distortion(parts->lens, parts->D, parts->D_where, parts->camera); !ok) return ok;
   }
   return {};
 }
 
-Result<StereoCalibration> rig_of_projections(EyeParts left, EyeParts right, const std::optional<Eigen::Vector3d>& T,
+Result<StereoCalibration> rig_of_projections(CameraParts left, CameraParts right,
+                                             const std::optional<Eigen::Vector3d>& T,
                                              const CalibrationRequest& request) {
-  for (EyeParts* eye : {&left, &right}) {
-    if (!has_projection(*eye)) {
-      return calibration_error("projection is all zeros: it holds no baseline", eye->where);
+  for (CameraParts* parts : {&left, &right}) {
+    if (!has_projection(*parts)) {
+      return calibration_error("projection is all zeros: it holds no baseline", parts->where);
     }
-    if (eye->P[0] <= 0.0 || eye->P[5] <= 0.0) {
-      return calibration_error("projection is singular (focal length <= 0)", eye->where);
+    if (parts->P[0] <= 0.0 || parts->P[5] <= 0.0) {
+      return calibration_error("projection is singular (focal length <= 0)", parts->where);
     }
-    if (auto ok = fill_from_projection(*eye); !ok) return ok.error();
+    if (auto ok = fill_from_projection(*parts); !ok) return ok.error();
   }
   StereoCalibration c;
   if (auto ok = settle_lenses(left, right, request.options, c.notes); !ok) return ok.error();
   // Some drivers leave the baseline out of P and give T (left -> right) instead.
   if (left.P[3] == 0.0 && right.P[3] == 0.0) {
-    if (!T) return calibration_error("baseline is zero (P of the right eye has no fx * Tx)", right.where);
+    if (!T) return calibration_error("baseline is zero (P of the right camera has no fx * Tx)", right.where);
     right.P[3] = (T->x() < 0.0 ? -1.0 : 1.0) * right.P[0] * T->norm();
   }
   if (is_plain_pair(left, right)) {
@@ -141,14 +143,14 @@ Result<StereoCalibration> rig_of_projections(EyeParts left, EyeParts right, cons
   if (!model) return model.error();
   c.left = left.camera;
   c.right = right.camera;
-  // In the rectified frames the eyes differ by the baseline alone.
+  // In the rectified frames the cameras differ by the baseline alone.
   c.T_right_left.R = right.R->transpose() * *left.R;
   c.T_right_left.t = right.R->transpose() * Eigen::Vector3d(-model->baseline_m, 0.0, 0.0);
   c.prescribed = PrescribedRectification{*left.R, *right.R, *model};
   return finish_calibration(c, request);
 }
 
-Result<StereoCalibration> rig_of_pose(EyeParts left, EyeParts right, const RigidTransform& T_right_left,
+Result<StereoCalibration> rig_of_pose(CameraParts left, CameraParts right, const RigidTransform& T_right_left,
                                       const CalibrationRequest& request) {
   StereoCalibration c;
   if (auto ok = settle_lenses(left, right, request.options, c.notes); !ok) return ok.error();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stereo/eye_order.h"
+#include "stereo/camera_order.h"
 
 #include <algorithm>
 #include <cmath>
@@ -59,7 +59,7 @@ bool are_identical(ImageView<const std::uint8_t> left, ImageView<const std::uint
   return variance > kLeastDeviation * kLeastDeviation && static_cast<double>(equal) >= kLeastEqual * n;
 }
 
-EyeOrderCheck::EyeOrderCheck(int width, int height, int factor, DenseStereo dense)
+CameraOrderCheck::CameraOrderCheck(int width, int height, int factor, DenseStereo dense)
     : width_(width), height_(height), factor_(factor), dense_(std::move(dense)) {
   for (Image<std::uint8_t>* image : {&left_, &right_, &moved_, &filtered_}) {
     image->resize(width / factor, height / factor);
@@ -68,14 +68,14 @@ EyeOrderCheck::EyeOrderCheck(int width, int height, int factor, DenseStereo dens
   disparity_.resize(width / factor, height / factor);
 }
 
-Result<EyeOrderCheck> EyeOrderCheck::make(int width, int height) {
+Result<CameraOrderCheck> CameraOrderCheck::make(int width, int height) {
   const int factor = std::max(1, (width + kReducedWidth - 1) / kReducedWidth);
   auto dense = DenseStereo::make(params_for(width / factor), width / factor, height / factor);
   if (!dense) return dense.error();
-  return EyeOrderCheck(width, height, factor, std::move(*dense));
+  return CameraOrderCheck(width, height, factor, std::move(*dense));
 }
 
-void EyeOrderCheck::reduce(ImageView<const std::uint8_t> from, Image<std::uint8_t>& to) const {
+void CameraOrderCheck::reduce(ImageView<const std::uint8_t> from, Image<std::uint8_t>& to) const {
   const ImageView<std::uint8_t> out = to.view();
   const int area = factor_ * factor_;
   for (int y = 0; y < out.height; ++y) {
@@ -91,7 +91,7 @@ void EyeOrderCheck::reduce(ImageView<const std::uint8_t> from, Image<std::uint8_
 }
 
 // The best share over a few rows up and down.
-double EyeOrderCheck::matched_share(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) {
+double CameraOrderCheck::matched_share(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) {
   double best = 0.0;
   disparity_.fill(kUnknownDisparity);
   for (int shift = -kRows; shift <= kRows; ++shift) {
@@ -110,7 +110,7 @@ double EyeOrderCheck::matched_share(ImageView<const std::uint8_t> left, ImageVie
   return best;
 }
 
-OrderEvidence EyeOrderCheck::measure(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) {
+OrderEvidence CameraOrderCheck::measure(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) {
   OrderEvidence out;
   if (left.empty() || !left.same_size(width_, height_) || !right.same_size(width_, height_)) return out;
   out.identical = are_identical(left, right);
@@ -121,45 +121,45 @@ OrderEvidence EyeOrderCheck::measure(ImageView<const std::uint8_t> left, ImageVi
   return out;
 }
 
-double EyeOrderCheck::measure_forward(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) {
+double CameraOrderCheck::measure_forward(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) {
   if (left.empty() || !left.same_size(width_, height_) || !right.same_size(width_, height_)) return 0.0;
   reduce(left, left_);
   reduce(right, right_);
   return matched_share(left_.cview(), right_.cview());
 }
 
-bool EyeOrderCheck::add(const OrderEvidence& seen) {
+bool CameraOrderCheck::add(const OrderEvidence& seen) {
   ++pairs_;
   identical_ += seen.identical ? 1 : 0;
   forward_ += seen.forward;
   backward_ += seen.backward;
-  const EyeOrder before = std::exchange(order_, judge());
+  const CameraOrder before = std::exchange(order_, judge());
   return before != order_;
 }
 
-EyeOrder EyeOrderCheck::judge() const {
-  if (pairs_ < kLeastPairs) return EyeOrder::unknown;
-  if (identical_ == pairs_) return EyeOrder::same;
+CameraOrder CameraOrderCheck::judge() const {
+  if (pairs_ < kLeastPairs) return CameraOrder::unknown;
+  if (identical_ == pairs_) return CameraOrder::same;
   const double most = std::max(forward_, backward_) / pairs_;
   const double least = std::min(forward_, backward_) / pairs_;
-  if (most < kLeastShare || most < kLeastRatio * least) return EyeOrder::unknown;
-  return forward_ > backward_ ? EyeOrder::as_said : EyeOrder::exchanged;
+  if (most < kLeastShare || most < kLeastRatio * least) return CameraOrder::unknown;
+  return forward_ > backward_ ? CameraOrder::as_said : CameraOrder::exchanged;
 }
 
-bool EyeOrderCheck::wants(std::int64_t number) const {
+bool CameraOrderCheck::wants(std::int64_t number) const {
   if (number < kEnoughPairs) return true;
-  return order_ == EyeOrder::unknown && number % kSparse == 0;
+  return order_ == CameraOrder::unknown && number % kSparse == 0;
 }
 
-std::string describe(EyeOrder order) {
+std::string describe(CameraOrder order) {
   switch (order) {
-    case EyeOrder::exchanged:
+    case CameraOrder::exchanged:
       return "left and right are exchanged: the left image is the right camera's (swap the files or cables, or say "
              "--swap-eyes or source.swap_eyes)";
-    case EyeOrder::same:
-      return "left and right are the same picture: there is no depth in it (give each eye its own images or camera)";
-    case EyeOrder::unknown:
-    case EyeOrder::as_said:
+    case CameraOrder::same:
+      return "left and right are the same picture: there is no depth in it (give each side its own images or camera)";
+    case CameraOrder::unknown:
+    case CameraOrder::as_said:
       break;
   }
   return {};

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "stereo/eye_order.h"
+#include "stereo/camera_order.h"
 
 #include <algorithm>
 #include <random>
@@ -12,7 +12,7 @@ namespace {
 constexpr int kWidth = 320;
 constexpr int kHeight = 200;
 
-// A wall with a coarse texture, `disparity` px apart in the two eyes; the right one `down` rows lower.
+// A wall with a coarse texture, `disparity` px apart in the two cameras; the right one `down` rows lower.
 struct Pair {
   Image<std::uint8_t> left{kWidth, kHeight};
   Image<std::uint8_t> right{kWidth, kHeight};
@@ -39,8 +39,8 @@ Pair wall(int disparity, unsigned seed, int down = 0, double noise = 2.0) {
   return out;
 }
 
-EyeOrder order_of(int disparity, int down = 0) {
-  auto check = EyeOrderCheck::make(kWidth, kHeight);
+CameraOrder order_of(int disparity, int down = 0) {
+  auto check = CameraOrderCheck::make(kWidth, kHeight);
   EXPECT_TRUE(check.ok());
   for (unsigned i = 0; i < 3; ++i) {
     const Pair pair = wall(disparity, i, down);
@@ -49,62 +49,62 @@ EyeOrder order_of(int disparity, int down = 0) {
   return check->order();
 }
 
-TEST(EyeOrder, IsToldByTheSideOnWhichMatchesLie) {
+TEST(CameraOrder, IsToldByTheSideOnWhichMatchesLie) {
   for (const int disparity : {6, 12, 25, 40}) {
-    EXPECT_EQ(order_of(disparity), EyeOrder::as_said) << disparity;
-    EXPECT_EQ(order_of(-disparity), EyeOrder::exchanged) << disparity;
+    EXPECT_EQ(order_of(disparity), CameraOrder::as_said) << disparity;
+    EXPECT_EQ(order_of(-disparity), CameraOrder::exchanged) << disparity;
   }
 }
 
-TEST(EyeOrder, BearsAFewRowsOfError) {
-  EXPECT_EQ(order_of(-16, 4), EyeOrder::exchanged);
-  EXPECT_EQ(order_of(16, -4), EyeOrder::as_said);
+TEST(CameraOrder, BearsAFewRowsOfError) {
+  EXPECT_EQ(order_of(-16, 4), CameraOrder::exchanged);
+  EXPECT_EQ(order_of(16, -4), CameraOrder::as_said);
 }
 
-TEST(EyeOrder, IsUnknownFarAwayWithoutContrastAndBeforeTheSecondPair) {
-  EXPECT_EQ(order_of(0), EyeOrder::unknown) << "infinitely far";
-  auto check = EyeOrderCheck::make(kWidth, kHeight);
+TEST(CameraOrder, IsUnknownFarAwayWithoutContrastAndBeforeTheSecondPair) {
+  EXPECT_EQ(order_of(0), CameraOrder::unknown) << "infinitely far";
+  auto check = CameraOrderCheck::make(kWidth, kHeight);
   ASSERT_TRUE(check.ok());
   Image<std::uint8_t> bare(kWidth, kHeight);
   bare.fill(90);
   for (int i = 0; i < 3; ++i) check->add(check->measure(bare.cview(), bare.cview()));
-  EXPECT_EQ(check->order(), EyeOrder::unknown);
+  EXPECT_EQ(check->order(), CameraOrder::unknown);
   EXPECT_TRUE(describe(check->order()).empty());
-  auto fresh = EyeOrderCheck::make(kWidth, kHeight);
+  auto fresh = CameraOrderCheck::make(kWidth, kHeight);
   const Pair pair = wall(-20, 1);
   fresh->add(fresh->measure(pair.left.cview(), pair.right.cview()));
-  EXPECT_EQ(fresh->order(), EyeOrder::unknown);
+  EXPECT_EQ(fresh->order(), CameraOrder::unknown);
   EXPECT_EQ(fresh->measure(bare.cview(), Image<std::uint8_t>(8, 8).cview()).forward, 0.0) << "of another size";
 }
 
-TEST(EyeOrder, UnrelatedPicturesTellNothing) {
-  auto check = EyeOrderCheck::make(kWidth, kHeight);
+TEST(CameraOrder, UnrelatedPicturesTellNothing) {
+  auto check = CameraOrderCheck::make(kWidth, kHeight);
   ASSERT_TRUE(check.ok());
   for (unsigned i = 0; i < 4; ++i) {
     const Pair a = wall(10, i);
     const Pair b = wall(10, i + 100);
     check->add(check->measure(a.left.cview(), b.left.cview()));
   }
-  EXPECT_EQ(check->order(), EyeOrder::unknown);
+  EXPECT_EQ(check->order(), CameraOrder::unknown);
 }
 
-TEST(EyeOrder, TheSamePictureTwiceIsToldFromAFarScene) {
-  auto check = EyeOrderCheck::make(kWidth, kHeight);
+TEST(CameraOrder, TheSamePictureTwiceIsToldFromAFarScene) {
+  auto check = CameraOrderCheck::make(kWidth, kHeight);
   ASSERT_TRUE(check.ok());
   for (unsigned i = 0; i < 3; ++i) {
     const Pair pair = wall(0, i);
     check->add(check->measure(pair.left.cview(), pair.left.cview()));
     EXPECT_FALSE(are_identical(pair.left.cview(), pair.right.cview())) << "each camera has its own noise";
   }
-  EXPECT_EQ(check->order(), EyeOrder::same);
+  EXPECT_EQ(check->order(), CameraOrder::same);
   EXPECT_NE(describe(check->order()).find("same picture"), std::string::npos);
-  EXPECT_NE(describe(EyeOrder::exchanged).find("--swap-eyes"), std::string::npos);
+  EXPECT_NE(describe(CameraOrder::exchanged).find("--swap-eyes"), std::string::npos);
 }
 
-TEST(EyeOrder, SmallImagesAreRefusedOrBorne) {
-  EXPECT_FALSE(EyeOrderCheck::make(0, 0).ok());
-  EXPECT_FALSE(EyeOrderCheck::make(12, 12).ok());
-  EXPECT_TRUE(EyeOrderCheck::make(64, 48).ok());
+TEST(CameraOrder, SmallImagesAreRefusedOrBorne) {
+  EXPECT_FALSE(CameraOrderCheck::make(0, 0).ok());
+  EXPECT_FALSE(CameraOrderCheck::make(12, 12).ok());
+  EXPECT_TRUE(CameraOrderCheck::make(64, 48).ok());
 }
 
 }  // namespace

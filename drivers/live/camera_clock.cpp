@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "drivers/live/eye_clock.h"
+#include "drivers/live/camera_clock.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,14 +33,14 @@ constexpr double kDelayGain = 1.0 / 64.0;
 
 }  // namespace
 
-bool EyeClock::was_here(TimestampNs stamp_ns) {
+bool CameraClock::was_here(TimestampNs stamp_ns) {
   const auto end = recent_.begin() + static_cast<std::ptrdiff_t>(std::min(recent_count_, kRecent));
   if (std::find(recent_.begin(), end, stamp_ns) != end) return true;
   recent_[recent_count_++ % kRecent] = stamp_ns;
   return false;
 }
 
-EyeClock::Reading EyeClock::begin(TimestampNs stamp_ns, std::int64_t arrival_ns, bool restarted) {
+CameraClock::Reading CameraClock::begin(TimestampNs stamp_ns, std::int64_t arrival_ns, bool restarted) {
   base_ns_ = stamp_ns;
   base_delay_ns_ = arrival_ns - stamp_ns;
   period_ns_ = nominal_ns_;
@@ -57,7 +57,7 @@ EyeClock::Reading EyeClock::begin(TimestampNs stamp_ns, std::int64_t arrival_ns,
   return reading;
 }
 
-EyeClock::Reading EyeClock::read(TimestampNs stamp_ns, std::int64_t arrival_ns) {
+CameraClock::Reading CameraClock::read(TimestampNs stamp_ns, std::int64_t arrival_ns) {
   if (was_here(stamp_ns)) {
     Reading reading;
     reading.verdict = Verdict::doubled;
@@ -82,7 +82,7 @@ EyeClock::Reading EyeClock::read(TimestampNs stamp_ns, std::int64_t arrival_ns) 
                  : learn(step, residual_ns, delay_ns, stamp_ns, arrival_ns);
 }
 
-void EyeClock::advance(std::int64_t step, double residual_ns) {
+void CameraClock::advance(std::int64_t step, double residual_ns) {
   // Least squares over the first frames, whose gains come down to those of the steady state.
   const double n = frames_ + 1.0;
   const double gain = std::max(kGridGain, 2.0 * (2.0 * n - 1.0) / (n * (n + 1.0)));
@@ -94,8 +94,8 @@ void EyeClock::advance(std::int64_t step, double residual_ns) {
   seen_ = (step >= 64 ? 0 : seen_ << static_cast<unsigned>(step)) | 1U;
 }
 
-EyeClock::Reading EyeClock::learn(std::int64_t step, double residual_ns, double delay_ns, TimestampNs stamp_ns,
-                                  std::int64_t arrival_ns) {
+CameraClock::Reading CameraClock::learn(std::int64_t step, double residual_ns, double delay_ns, TimestampNs stamp_ns,
+                                        std::int64_t arrival_ns) {
   if (std::abs(delay_ns - delay_ns_) > kFarOffAtFirst * nominal_ns_) {  // late, or a step; or the first ones were late
     if (++irregular_ >= kIrregularToRestart) return begin(stamp_ns, arrival_ns, true);
     return {};
@@ -106,7 +106,7 @@ EyeClock::Reading EyeClock::learn(std::int64_t step, double residual_ns, double 
   delay_ns_ += (delay_ns - delay_ns_) / frames_;
   least_delay_ns_ = std::min(least_delay_ns_, delay_ns);
   most_delay_ns_ = std::max(most_delay_ns_, delay_ns);
-  // The means of both eyes together must be good to 0.3 periods at six sigma, from the width of an even distribution.
+  // The two means together must be good to 0.3 periods at six sigma, from the width of an even distribution.
   const double width = (most_delay_ns_ - least_delay_ns_) / nominal_ns_;
   const int needed =
       static_cast<int>(std::clamp(66.0 * width * width, double{kLeastFramesToLock}, double{kMostFramesToLock}));
@@ -118,8 +118,8 @@ EyeClock::Reading EyeClock::learn(std::int64_t step, double residual_ns, double 
   return {};
 }
 
-EyeClock::Reading EyeClock::number(std::int64_t step, double residual_ns, double delay_ns, TimestampNs stamp_ns,
-                                   std::int64_t arrival_ns) {
+CameraClock::Reading CameraClock::number(std::int64_t step, double residual_ns, double delay_ns, TimestampNs stamp_ns,
+                                         std::int64_t arrival_ns) {
   const double late = (delay_ns - delay_ns_) / nominal_ns_;
   if (late < -kEarly) return begin(stamp_ns, arrival_ns, true);
   Reading reading;
@@ -155,19 +155,21 @@ EyeClock::Reading EyeClock::number(std::int64_t step, double residual_ns, double
   return reading;
 }
 
-void EyeClock::doubt() { doubts_ = 2; }
+void CameraClock::doubt() { doubts_ = 2; }
 
-double EyeClock::on_time() const { return std::clamp(kLeastStep - (3.0 * spread_ + 0.05), kLeastOnTime, kMostOnTime); }
+double CameraClock::on_time() const {
+  return std::clamp(kLeastStep - (3.0 * spread_ + 0.05), kLeastOnTime, kMostOnTime);
+}
 
 // Only what comes to be certain tells the delay; but then all of it, or the mean would lean to the early ones.
-void EyeClock::collect_delay(double late) {
+void CameraClock::collect_delay(double late) {
   if (std::abs(late) > kEarly) return;  // a stalled host must not pull the mean
   ++collected_;
   late_sum_ += late;
   spread_sum_ += std::abs(late);
 }
 
-void EyeClock::follow_delay() {
+void CameraClock::follow_delay() {
   if (collected_ > 0) {
     const double gain = 1.0 - std::pow(1.0 - kDelayGain, collected_);
     delay_ns_ += gain * late_sum_ / collected_ * nominal_ns_;
