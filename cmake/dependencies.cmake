@@ -12,3 +12,12 @@ find_package(JPEG REQUIRED)
 set_target_properties(JPEG::JPEG PROPERTIES IMPORTED_GLOBAL TRUE)
 pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo cairo-svg cairo-pdf)
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
+
+# `cliquevo calibrate`: where both are there.
+find_package(OpenCV 4.5 QUIET COMPONENTS core imgproc calib3d aruco)
+pkg_check_modules(APRILTAG IMPORTED_TARGET apriltag)
+if(OpenCV_FOUND AND APRILTAG_FOUND)
+  set(CLIQUEVO_CALIBRATE ON)
+else()
+  message(STATUS "no OpenCV with aruco, or no libapriltag: without `cliquevo calibrate`")
+endif()

@@ -7,6 +7,9 @@
 
 #include "core/base/caught.h"
 #include "core/base/standard_streams.h"
+#ifdef CLIQUEVO_CALIBRATE
+#include "tools/calibrate/calibrate.h"
+#endif
 #include "tools/cameras.h"
 #include "tools/commands.h"
 #include "tools/ctl.h"
@@ -48,6 +51,9 @@ int run(int argc, char** argv) {
   add_convert_command(app, exit_code);
 #ifdef CLIQUEVO_ARAVIS
   add_hil_command(app, exit_code);
+#endif
+#ifdef CLIQUEVO_CALIBRATE
+  add_calibrate_command(app, exit_code);
 #endif
   add_config_command(app, exit_code);
   add_ctl_command(app, exit_code);

@@ -13,7 +13,8 @@ namespace cliquevo::tools {
 // A trajectory file that is held to be true, as poses of the rectified left camera. EuRoC's ground truth is of the
 // body: where the camera sits is read from cam0/sensor.yaml beside its folder, and how it is turned by rectification
 // from `calibration` where given, else from the sensor.yaml of both cameras. KITTI-360's poses.txt is of the vehicle:
-// calib_cam_to_pose.txt and perspective.txt, beside it or in the data set's `calibration`, give the left camera's place.
+// calib_cam_to_pose.txt and perspective.txt, beside it or in the data set's `calibration`, give the left camera's
+// place.
 Result<daemon::Trajectory> read_reference(const std::string& path, const StereoCalibration* calibration = nullptr);
 
 // A file that recordings bring along as their reference (poses.txt, groundtruth.tum, EuRoC's ground truth, KITTI-360's

@@ -123,7 +123,8 @@ Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceArgument& 
   const bool simulated = is_simulator(argument.text);
   const bool swap = argument.swap_eyes || config.swap_eyes;
   auto source = simulated ? open_simulated(argument, config) : open_recorded(argument, config);
-  if (!source || (simulated && !swap)) return source;
+  const bool pictures_alone = !config.recording.needs_calibration;
+  if (!source || ((simulated || pictures_alone) && !swap)) return source;
   return drivers::watch_camera_order(std::move(*source), swap);
 }
 

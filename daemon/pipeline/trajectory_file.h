@@ -29,7 +29,8 @@ struct Trajectory {
   TrajectoryFormat format = TrajectoryFormat::kitti;
   std::vector<StampedPose> poses;
   bool numbered = false;  // poses belong to the frames of these numbers, not to lines (KITTI-360)
-  bool of_body = false;   // they are of another sensor's frame than the camera's (EuRoC's ground truth, KITTI-360's poses.txt)
+  bool of_body =
+      false;  // they are of another sensor's frame than the camera's (EuRoC's ground truth, KITTI-360's poses.txt)
 };
 
 // One line of such a file, without its end. Same pose, same bytes; 13 significant digits.

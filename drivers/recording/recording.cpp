@@ -161,7 +161,7 @@ Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& opti
 
   CalibrationRequest request;
   request.path = options.calibration.empty() ? layout->calibration : options.calibration;
-  if (request.path.empty()) {
+  if (request.path.empty() && options.needs_calibration) {
     return Error{"recording has no calibration", options.path, "name one with --calibration FILE"};
   }
   request.width = info.width;
@@ -173,9 +173,11 @@ Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& opti
   if (depth.deep) info.description += ", " + describe_depth(depth);
   auto store = std::make_unique<ImageFiles>(std::move(pairs), layout->side_by_side, info.width, info.height);
   if (depth.deep) store->set_shift(depth.shift);
-  Result<StereoCalibration> calibration = calibrate(request, *store);
-  if (!calibration) return calibration.error();
-  info.calibration = std::move(*calibration);
+  if (options.needs_calibration) {
+    Result<StereoCalibration> calibration = calibrate(request, *store);
+    if (!calibration) return calibration.error();
+    info.calibration = std::move(*calibration);
+  }
   if (auto ok = read_masks(options.left_mask, options.right_mask, layout->root, info); !ok) return ok.error();
   return play_pairs(std::move(store), std::move(*stamps), std::move(info), options);
 }

@@ -15,6 +15,7 @@ struct RecordingOptions {
   std::string path;
   std::string calibration;  // file; empty = the recording's own
   CalibrationOptions calibration_options;
+  bool needs_calibration = true;           // false: images alone will do; calibration files are not looked at
   std::optional<double> rate_hz;           // gives the stamps, whatever times are there
   std::int64_t first = 0;                  // first pair to play
   std::int64_t last = -1;                  // last pair to play, -1 = the last there is

@@ -1,0 +1,209 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo calibrate: from a board in front of the cameras to a calibration file.
+#include "tools/calibrate/calibrate.h"
+
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "daemon/pipeline/source.h"
+#include "drivers/calibration/writers.h"
+#include "drivers/calibration_file.h"
+#include "tools/calibrate/collect.h"
+#include "tools/calibrate/print_board.h"
+#include "tools/calibrate/report.h"
+#include "tools/calibrate/summary.h"
+#include "tools/exit_code.h"
+#include "tools/output_file.h"
+#include "tools/source_argument.h"
+#include "tools/stop_on_signal.h"
+
+namespace cliquevo::tools {
+
+namespace {
+
+constexpr double kLiveMotion_px = 1.0;   // between two pairs of a live source
+constexpr double kNewsOfStills = 0.002;  // of the width: pictures taken one by one differ on purpose
+
+struct CalibrateArguments {
+  SourceArgument source;
+  std::string config;
+  std::string board;
+  std::string out;
+  std::string format = "opencv";
+  std::string model = "auto";
+  std::string compare;
+  std::string report;
+  std::int64_t most_views = 150;
+  bool square_pixels = false;
+  bool json = false;
+  bool make_board = false;
+};
+
+std::string writer_names() {
+  std::string out;
+  for (const drivers::CalibrationWriter& writer : drivers::calibration_writers()) {
+    out += fmt::format("{}{}", out.empty() ? "" : ", ", writer.name);
+  }
+  return out;
+}
+
+Result<std::unique_ptr<drivers::FrameSource>> open(const CalibrateArguments& arguments) {
+  daemon::Config config = daemon::default_config();
+  if (!arguments.config.empty()) {
+    auto read = daemon::read_config(arguments.config);
+    if (!read) return read.error();
+    config = std::move(*read);
+  }
+  config.source.recording.needs_calibration = false;
+  if (arguments.source.text.empty()) return daemon::open_source(config.source);
+  auto source = open_source(arguments.source, config.source);
+  if (source || config.source.recording.rate_hz) return source;
+  // Pictures of a board need no times.
+  config.source.recording.rate_hz = 1.0;
+  auto without_times = open_source(arguments.source, config.source);
+  return without_times ? std::move(without_times) : std::move(source);
+}
+
+Result<void> write_files(const CalibrateArguments& arguments, const StereoCalibration& calibration) {
+  const drivers::CalibrationWriter* writer = drivers::find_calibration_writer(arguments.format);
+  const auto files = writer->write(calibration, arguments.out);
+  if (!files) return files.error();
+  for (const drivers::CalibrationFile& file : *files) {
+    auto out = OutputFile::open(file.path, "calibration");
+    if (!out) return out.error();
+    if (auto ok = out->write(file.text); !ok) return ok;
+  }
+  return {};
+}
+
+Error no_board(const Collected& collected, const CalibrateArguments& arguments) {
+  const std::string remedy =
+      collected.guess.empty()
+          ? "name the board that is in the pictures; all of it must be seen, sharp, with a white border"
+          : fmt::format("{}: name the board that is in the pictures", collected.guess);
+  return {fmt::format("no {} found in {} pairs", arguments.board, collected.pairs),
+          arguments.source.text.empty() ? arguments.config : arguments.source.text, remedy};
+}
+
+Result<CalibrationResult> calibrate(const CalibrateArguments& arguments, const calibration::Board& board) {
+  auto source = open(arguments);
+  if (!source) return source.error();
+  const drivers::SourceInfo& info = (*source)->info();
+  CollectOptions collect;
+  collect.most_views = arguments.most_views;
+  collect.most_motion_px = info.live ? kLiveMotion_px : 0.0;
+  if (!info.live && info.frame_count >= 0 && info.frame_count <= arguments.most_views) {
+    collect.news_of_width = kNewsOfStills;
+  }
+  auto collected = collect_views(**source, board, collect);
+  if (!collected) return collected.error();
+  if (collected->views.empty()) return no_board(*collected, arguments);
+  calibration::SolveOptions options;
+  options.model = arguments.model;
+  options.square_pixels = arguments.square_pixels;
+  options.progress = [](const std::string& step) { fmt::print(stderr, "solving: {}\n", step); };
+  auto solution = calibration::solve(board, collected->views, info.width, info.height, options);
+  if (!solution) return solution.error();
+  CalibrationResult result;
+  result.board = board;
+  result.solution = std::move(*solution);
+  result.compared_with = arguments.compare;
+  result.collected = std::move(*collected);
+  const calibration::Adjusted& adjusted = result.solution.adjusted;
+  result.accuracy = calibration::accuracy(adjusted.rig, adjusted.covariance);
+  result.coverage = calibration::coverage(board, result.solution);
+  if (!arguments.compare.empty()) {
+    const auto old = drivers::read_calibration(arguments.compare, info.width, info.height);
+    if (!old) return old.error();
+    result.movement = calibration::movement(adjusted.rig, adjusted.covariance, *old);
+  }
+  return result;
+}
+
+int run(const CalibrateArguments& arguments) {
+  const auto board = calibration::parse_board(arguments.board);
+  if (!board) return report(board.error(), kWrongUsage);
+  if (arguments.make_board) {
+    if (auto ok = print_board(*board, arguments.out); !ok) return report(ok.error());
+    fmt::print("{}: print it at 100 %, then measure its ruler\n", arguments.out);
+    return kDone;
+  }
+  if (arguments.source.text.empty() && arguments.config.empty()) {
+    return report({"wrong usage", "calibrate", "name a SOURCE, or a --config with one"}, kWrongUsage);
+  }
+  if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
+  const StopOnSignal signals;
+  const auto result = calibrate(arguments, *board);
+  if (!result) return report(result.error());
+  if (auto ok = write_files(arguments, result->solution.rig().calibration()); !ok) return report(ok.error());
+  if (!arguments.report.empty()) {
+    auto page = OutputFile::open(arguments.report, "report");
+    if (!page) return report(page.error());
+    if (auto ok = page->write(calibration_report(*result)); !ok) return report(ok.error());
+  }
+  if (arguments.json) {
+    fmt::print("{}\n", to_json(*result).dump(2));
+  } else {
+    fmt::print("{}{}: written\n", summary_of(*result), arguments.out);
+  }
+  return kDone;
+}
+
+}  // namespace
+
+void add_calibrate_command(CLI::App& app, int& exit_code) {
+  auto arguments = std::make_shared<CalibrateArguments>();
+  CLI::App* command = app.add_subcommand("calibrate", "Calibrate a stereo rig from views of a board");
+  command->add_option("SOURCE", arguments->source.text,
+                      "A recording or folder of image pairs; left out: the configuration's source (cameras)");
+  command
+      ->add_option("--board", arguments->board,
+                   "KIND:COLSxROWS:SIZE_M: chessboard (inner corners, side of a square), charuco (squares, side of a "
+                   "square[:marker's share]), aprilgrid (tags, side of a tag[:gap's share]), circles (dots, distance)")
+      ->required()
+      ->type_name("BOARD");
+  command
+      ->add_option("--out", arguments->out, "Calibration to write; with --make-board the board, FILE.pdf or FILE.svg")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("--format", arguments->format, "Of the file: " + writer_names())
+      ->check([](const std::string& name) {
+        return drivers::find_calibration_writer(name) != nullptr ? std::string() : "choose " + writer_names();
+      })
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      ->add_option("--model", arguments->model,
+                   "Lens: radtan, plumb_bob, rational, equidistant; auto: by views held out")
+      ->check([](const std::string& name) {
+        return name == "auto" || calibration::find_lens_model(name) != nullptr
+                   ? std::string()
+                   : std::string("choose auto, radtan, plumb_bob, rational or equidistant");
+      })
+      ->type_name("NAME")
+      ->capture_default_str();
+  command->add_flag("--square-pixels", arguments->square_pixels, "One focal length a camera");
+  command->add_option("--compare", arguments->compare, "Say how far another calibration of this rig is off")
+      ->type_name("FILE");
+  command->add_option("--report", arguments->report, "A page with the errors over the image")->type_name("FILE.html");
+  command->add_option("--max-views", arguments->most_views, "Stop looking after so many views")
+      ->check(CLI::Range(std::int64_t{5}, std::int64_t{1000}))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--config", arguments->config, "Configuration with the source")->type_name("FILE");
+  command->add_flag("--json", arguments->json, "Print the result as JSON");
+  command->add_flag("--make-board", arguments->make_board, "Write the board to print, at true scale, instead");
+  add_recording_options(*command, arguments->source);
+  command->footer(
+      "Ctrl-C ends the looking; what was collected is used.\n"
+      "Examples:\n"
+      "  cliquevo calibrate --make-board --board charuco:9x6:0.03 --out board.pdf\n"
+      "  cliquevo calibrate pairs/ --board chessboard:9x6:0.02423 --out rig.yaml --report rig.html\n"
+      "  cliquevo calibrate --config rig.yaml --board aprilgrid:6x6:0.088:0.3 --out new.yaml --compare rig_old.yaml");
+  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+}
+
+}  // namespace cliquevo::tools

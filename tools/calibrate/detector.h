@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Finds the corners of a calibration board in an image, by OpenCV and the AprilTag library.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "calibration/board.h"
+#include "calibration/views.h"
+#include "core/base/image.h"
+
+namespace cliquevo::tools {
+
+class BoardDetector {
+ public:
+  explicit BoardDetector(const calibration::Board& board);
+  ~BoardDetector();
+  BoardDetector(const BoardDetector&) = delete;
+  BoardDetector& operator=(const BoardDetector&) = delete;
+
+  // Chessboards and circles: all corners or none; charuco and aprilgrid: those that are seen.
+  std::vector<calibration::SeenCorner> find(ImageView<const std::uint8_t> image) const;
+  // Where find() finds nothing: what may be there instead, as a sentence ("8x5 corners are seen"); empty: nothing.
+  std::string nearest_guess(ImageView<const std::uint8_t> image) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// How sharp an image is at its corners: the mean gradient over the contrast about them, 1/px.
+double sharpness(ImageView<const std::uint8_t> image, const std::vector<calibration::SeenCorner>& corners);
+
+}  // namespace cliquevo::tools

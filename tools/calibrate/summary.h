@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A calibration in words, and as JSON.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "calibration/accuracy.h"
+#include "calibration/solve.h"
+#include "tools/calibrate/collect.h"
+
+namespace cliquevo::tools {
+
+struct CalibrationResult {
+  calibration::Board board;
+  calibration::Solution solution;
+  calibration::Accuracy accuracy;
+  calibration::Coverage coverage;
+  std::optional<calibration::Movement> movement;  // against --compare
+  std::string compared_with;
+  Collected collected;
+};
+
+nlohmann::json to_json(const CalibrationResult& result);
+std::string summary_of(const CalibrationResult& result);
+
+}  // namespace cliquevo::tools
