@@ -12,6 +12,7 @@
 #include "drivers/calibration/writers.h"
 #include "drivers/calibration_file.h"
 #include "tools/calibrate/collect.h"
+#include "tools/calibrate/from_driving.h"
 #include "tools/calibrate/print_board.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/summary.h"
@@ -40,6 +41,7 @@ struct CalibrateArguments {
   bool square_pixels = false;
   bool json = false;
   bool make_board = false;
+  bool from_driving = false;
 };
 
 std::string writer_names() {
@@ -50,17 +52,16 @@ std::string writer_names() {
   return out;
 }
 
-Result<std::unique_ptr<drivers::FrameSource>> open(const CalibrateArguments& arguments) {
-  daemon::Config config = daemon::default_config();
-  if (!arguments.config.empty()) {
-    auto read = daemon::read_config(arguments.config);
-    if (!read) return read.error();
-    config = std::move(*read);
-  }
-  config.source.recording.needs_calibration = false;
+Result<daemon::Config> configuration(const CalibrateArguments& arguments) {
+  return arguments.config.empty() ? Result<daemon::Config>(daemon::default_config())
+                                  : daemon::read_config(arguments.config);
+}
+
+Result<std::unique_ptr<drivers::FrameSource>> open(const CalibrateArguments& arguments, daemon::Config config) {
+  config.source.recording.needs_calibration = arguments.from_driving;
   if (arguments.source.text.empty()) return daemon::open_source(config.source);
   auto source = open_source(arguments.source, config.source);
-  if (source || config.source.recording.rate_hz) return source;
+  if (source || arguments.from_driving || config.source.recording.rate_hz) return source;
   // Pictures of a board need no times.
   config.source.recording.rate_hz = 1.0;
   auto without_times = open_source(arguments.source, config.source);
@@ -89,7 +90,9 @@ Error no_board(const Collected& collected, const CalibrateArguments& arguments) 
 }
 
 Result<CalibrationResult> calibrate(const CalibrateArguments& arguments, const calibration::Board& board) {
-  auto source = open(arguments);
+  const auto config = configuration(arguments);
+  if (!config) return config.error();
+  auto source = open(arguments, *config);
   if (!source) return source.error();
   const drivers::SourceInfo& info = (*source)->info();
   CollectOptions collect;
@@ -123,7 +126,32 @@ Result<CalibrationResult> calibrate(const CalibrateArguments& arguments, const c
   return result;
 }
 
+int run_from_driving(const CalibrateArguments& arguments) {
+  const auto config = configuration(arguments);
+  if (!config) return report(config.error());
+  const StopOnSignal signals;
+  const auto driven = calibrate_from_driving([&] { return open(arguments, *config); }, *config);
+  if (!driven) return report(driven.error());
+  if (auto ok = write_files(arguments, driven->calibration); !ok) return report(ok.error());
+  if (arguments.json) {
+    fmt::print("{}\n", to_json(*driven).dump(2));
+  } else {
+    fmt::print("{}{}: written\n", summary_of(*driven), arguments.out);
+  }
+  return kDone;
+}
+
 int run(const CalibrateArguments& arguments) {
+  if (arguments.from_driving) {
+    if (arguments.source.text.empty()) {
+      return report({"wrong usage", "--from-driving", "name a recording as SOURCE"}, kWrongUsage);
+    }
+    if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
+    return run_from_driving(arguments);
+  }
+  if (arguments.board.empty()) {
+    return report({"wrong usage", "calibrate", "name the --board, or use --from-driving"}, kWrongUsage);
+  }
   const auto board = calibration::parse_board(arguments.board);
   if (!board) return report(board.error(), kWrongUsage);
   if (arguments.make_board) {
@@ -163,7 +191,6 @@ void add_calibrate_command(CLI::App& app, int& exit_code) {
       ->add_option("--board", arguments->board,
                    "KIND:COLSxROWS:SIZE_M: chessboard (inner corners, side of a square), charuco (squares, side of a "
                    "square[:marker's share]), aprilgrid (tags, side of a tag[:gap's share]), circles (dots, distance)")
-      ->required()
       ->type_name("BOARD");
   command
       ->add_option("--out", arguments->out, "Calibration to write; with --make-board the board, FILE.pdf or FILE.svg")
@@ -196,12 +223,16 @@ void add_calibrate_command(CLI::App& app, int& exit_code) {
   command->add_option("--config", arguments->config, "Configuration with the source")->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print the result as JSON");
   command->add_flag("--make-board", arguments->make_board, "Write the board to print, at true scale, instead");
+  command->add_flag("--from-driving", arguments->from_driving,
+                    "No board: correct the recording's calibration by what ordinary driving shows");
+  add_calibration_options(*command, arguments->source);
   add_recording_options(*command, arguments->source);
   command->footer(
       "Ctrl-C ends the looking; what was collected is used.\n"
       "Examples:\n"
       "  cliquevo calibrate --make-board --board charuco:9x6:0.03 --out board.pdf\n"
       "  cliquevo calibrate pairs/ --board chessboard:9x6:0.02423 --out rig.yaml --report rig.html\n"
+      "  cliquevo calibrate drive/ --from-driving --out corrected.yaml\n"
       "  cliquevo calibrate --config rig.yaml --board aprilgrid:6x6:0.088:0.3 --out new.yaml --compare rig_old.yaml");
   command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }

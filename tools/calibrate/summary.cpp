@@ -213,4 +213,46 @@ std::string summary_of(const CalibrationResult& r) {
   return out + advice(r);
 }
 
+nlohmann::json to_json(const DrivenCalibration& d) {
+  nlohmann::json out = {{"changed", d.changed},
+                        {"turned_deg", {d.turned_deg.x(), d.turned_deg.y(), d.turned_deg.z()}},
+                        {"sigma_deg", {d.sigma_deg.x(), d.sigma_deg.y(), d.sigma_deg.z()}},
+                        {"baseline_m", d.calibration.T_right_left.t.norm()},
+                        {"runs", nlohmann::json::array()}};
+  for (const DrivenRun& run : d.runs) {
+    const Eigen::Vector3d& turn = run.check.rotation_deg;
+    const Eigen::Vector3d& sigma = run.check.rotation_sigma_deg;
+    out["runs"].push_back(
+        {{"frames", run.frames},
+         {"valid", run.valid},
+         {"way_m", run.way_m},
+         {"reprojection_px", run.reprojection_px},
+         {"rotation_deg", {turn.x(), turn.y(), turn.z()}},
+         {"rotation_sigma_deg", {sigma.x(), sigma.y(), sigma.z()}},
+         {"rows_px", run.check.vertical_most_px},
+         {"end_pct", run.end_error_percent ? nlohmann::json(*run.end_error_percent) : nlohmann::json(nullptr)}});
+  }
+  return out;
+}
+
+std::string summary_of(const DrivenCalibration& d) {
+  std::string out;
+  for (std::size_t i = 0; i < d.runs.size(); ++i) {
+    const DrivenRun& run = d.runs[i];
+    const Eigen::Vector3d& turn = run.check.rotation_deg;
+    const Eigen::Vector3d& sigma = run.check.rotation_sigma_deg;
+    out += fmt::format(
+        "run {}      {} of {} frames valid, {:.1f} m; left over between the cameras: {:.4f} +- {:.4f}, "
+        "{:.4f} +- {:.4f}, {:.4f} +- {:.4f} degrees about x, y, z; rows up to {:.2f} px{}\n",
+        i + 1, run.valid, run.frames, run.way_m, turn.x(), sigma.x(), turn.y(), sigma.y(), turn.z(), sigma.z(),
+        run.check.vertical_most_px,
+        run.end_error_percent ? fmt::format("; end off by {:.2f} %", *run.end_error_percent) : "");
+  }
+  if (!d.changed) return out + "the calibration agrees with the drive: it is written as it was\n";
+  return out + fmt::format(
+                   "the right camera is turned by {:.4f}, {:.4f}, {:.4f} degrees about x, y, z against the old "
+                   "calibration\n",
+                   d.turned_deg.x(), d.turned_deg.y(), d.turned_deg.z());
+}
+
 }  // namespace cliquevo::tools

@@ -10,6 +10,7 @@
 #include "calibration/accuracy.h"
 #include "calibration/solve.h"
 #include "tools/calibrate/collect.h"
+#include "tools/calibrate/from_driving.h"
 
 namespace cliquevo::tools {
 
@@ -25,5 +26,8 @@ struct CalibrationResult {
 
 nlohmann::json to_json(const CalibrationResult& result);
 std::string summary_of(const CalibrationResult& result);
+
+nlohmann::json to_json(const DrivenCalibration& driven);
+std::string summary_of(const DrivenCalibration& driven);
 
 }  // namespace cliquevo::tools

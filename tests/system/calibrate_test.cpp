@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// `cliquevo calibrate` as a user runs it: on a real board, on what is no board, and on a drive without one.
+#include <fstream>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/support/subprocess.h"
+#include "tests/support/test_data.h"
+
+namespace cliquevo::test {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kBoard = "chessboard:9x6:0.02423";
+
+double value(const json& result, const char* name) { return result["parameters"][name]["value"].get<double>(); }
+double sigma(const json& result, const char* name) { return result["parameters"][name]["sigma"].get<double>(); }
+
+TEST(Calibrate, ARealBoardGivesTheRigWithItsUncertainty) {
+  CLIQUEVO_NEEDS_DATA("chessboard");
+  const std::string out = scratch_dir() + "/rig.yaml";
+  const std::string page = scratch_dir() + "/rig.html";
+  const Finished done = run({binary("cliquevo"), "calibrate", data_dir() + "/chessboard", "--board", kBoard, "--out",
+                             out, "--report", page, "--json"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  const json result = json::parse(done.out);
+  EXPECT_LE(result["rms_px"].get<double>(), 0.25);
+  EXPECT_EQ(result["views_used"], 29);
+  for (const char* name : {"left.fx_px", "left.fy_px", "right.fx_px", "right.fy_px"}) {
+    EXPECT_NEAR(value(result, name), 463.0, 1.5) << name;
+    EXPECT_GT(sigma(result, name), 0.1) << name;
+    EXPECT_LT(sigma(result, name), 1.5) << name;
+  }
+  EXPECT_NEAR(result["baseline_m"].get<double>(), 0.094, 0.0005);
+  EXPECT_LT(result["held_out"]["row_rms_px"].get<double>(), 0.35);
+  EXPECT_NE(read_file(page).find("<svg"), std::string::npos);
+  // Held against itself it is off by nothing.
+  const Finished again = run({binary("cliquevo"), "calibrate", data_dir() + "/chessboard", "--board", kBoard, "--out",
+                              scratch_dir() + "/again.yaml", "--compare", out, "--json"});
+  ASSERT_EQ(again.exit_code, 0) << again.err;
+  const json compared = json::parse(again.out)["compared"];
+  EXPECT_LT(compared["rows_px"].get<double>(), 0.01);
+  EXPECT_LT(std::abs(compared["depth"][1]["sigmas"].get<double>()), 0.01);
+}
+
+TEST(Calibrate, WhatCannotBeCalibratedIsOneLineThatSaysWhatToDo) {
+  CLIQUEVO_NEEDS_DATA("chessboard");
+  const std::string folder = data_dir() + "/chessboard";
+  const std::string out = scratch_dir() + "/rig.yaml";
+  const auto refused = [&](std::vector<std::string> arguments, int exit_code, const std::string& words) {
+    std::vector<std::string> command{binary("cliquevo"), "calibrate"};
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    command.insert(command.end(), {"--out", out});
+    const Finished done = run(command);
+    EXPECT_EQ(done.exit_code, exit_code) << done.err;
+    ASSERT_FALSE(lines_of(done.err).empty());
+    EXPECT_NE(lines_of(done.err).back().find(words), std::string::npos) << done.err;
+    EXPECT_FALSE(std::ifstream(out).good()) << "nothing is written";
+  };
+  refused({folder, "--board", "chessboard:8x5:0.024", "--max-views", "5"}, 1, "9x6 corners are seen, 8x5 were named");
+  refused({folder, "--board", kBoard, "--swap-eyes"}, 1, "exchanged");
+  refused({folder, "--board", "chessboard:9x6"}, 2, "measure it");
+  refused({folder, "--board", "checkerboard:9x6:0.02"}, 2, "chessboard, charuco, aprilgrid or circles");
+  refused({folder}, 2, "--board");
+  refused({scratch_dir() + "/none", "--board", kBoard}, 1, "/none");
+  refused({"sim:frames=8", "--board", kBoard}, 1, "no chessboard:9x6:0.02423 found in 8 pairs");
+  refused({"sim:frames=8", "--from-driving"}, 1, "shows too little");
+}
+
+TEST(Calibrate, ADriveCorrectsARightCameraThatIsTurnedAndLeavesAGoodRigAlone) {
+  const std::string out = scratch_dir() + "/rig.yaml";
+  const std::string course = "sim:frames=120,width=384,height=288,focal_px=420";
+  const auto driven = [&](const std::string& source) {
+    const Finished done = run({binary("cliquevo"), "calibrate", source, "--from-driving", "--out", out, "--json"});
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return json::parse(done.out);
+  };
+  const json good = driven(course);
+  EXPECT_FALSE(good["changed"].get<bool>());
+  const double good_end_pct = good["runs"].back()["end_pct"].get<double>();
+  const json turned = driven(course + ",misalign_right_deg=0.1:0.2:-0.1");
+  EXPECT_TRUE(turned["changed"].get<bool>());
+  EXPECT_NEAR(turned["turned_deg"][0].get<double>(), 0.1, 0.01);
+  EXPECT_NEAR(turned["turned_deg"][1].get<double>(), 0.2, 0.01);
+  EXPECT_NEAR(turned["turned_deg"][2].get<double>(), -0.1, 0.03);
+  EXPECT_GT(turned["runs"].front()["end_pct"].get<double>(), 1.0) << "before";
+  EXPECT_LT(turned["runs"].back()["end_pct"].get<double>(), 1.2 * good_end_pct + 0.15) << "after";
+}
+
+TEST(Calibrate, ABoardIsPrintedAtTrueScale) {
+  const std::string svg = scratch_dir() + "/board.svg";
+  const Finished done =
+      run({binary("cliquevo"), "calibrate", "--make-board", "--board", "charuco:9x6:0.03", "--out", svg});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  // 9 x 30 mm and a border of 15 mm on each side, in points of 1/72 inch.
+  EXPECT_NE(read_file(svg).find("width=\"850.393701pt\""), std::string::npos) << read_file(svg).substr(0, 400);
+  const std::string pdf = scratch_dir() + "/board.pdf";
+  ASSERT_EQ(
+      run({binary("cliquevo"), "calibrate", "--make-board", "--board", "aprilgrid:6x6:0.05", "--out", pdf}).exit_code,
+      0);
+  EXPECT_EQ(read_file(pdf).substr(0, 5), "%PDF-");
+  EXPECT_EQ(run({binary("cliquevo"), "calibrate", "--make-board", "--board", "aprilgrid:6x6:0.05", "--out", "/x/b.png"})
+                .exit_code,
+            1);
+}
+
+}  // namespace
+}  // namespace cliquevo::test
