@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Everything by which the running daemon can be told what to do, and what it answers when asked how it gets on.
+// All ways to command the running daemon, and its answer to a request for its status.
 #pragma once
 
 #include <mutex>

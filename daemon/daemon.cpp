@@ -30,7 +30,7 @@ namespace cliquevo::daemon {
 
 namespace {
 
-constexpr std::int64_t kRouteRetryNs = 500'000'000;  // for a route or a server; asking takes as long at most
+constexpr std::int64_t kRouteRetryNs = 500'000'000;  // for a route or a server; a try takes as long at most
 constexpr std::int64_t kPatienceNs = 5'000'000'000;  // for frames on their way once stopping
 
 void describe(const drivers::SourceInfo& source, const RectifiedSize& size, const StereoModel& model) {
@@ -48,7 +48,7 @@ void describe(const drivers::SourceInfo& source, const RectifiedSize& size, cons
 }
 
 // As a service it is started while the network comes up, and a vehicle may have none until somebody plugs it in: it
-// waits for a route, and says so. Nothing: asked to stop before there was one.
+// waits for a route, and reports it. Nothing: stopped before there was one.
 Result<std::optional<Publisher>> make_publisher(const Config& config, const Signals& signals, Service& service) {
   for (bool first = true;; first = false) {
     auto publisher = Publisher::make(config.lcm, config.T_body_camera);
@@ -90,7 +90,7 @@ class Daemon {
   Daemon(const DaemonOptions& options, const Config& config, const Signals& signals)
       : options_(options), config_(config), signals_(signals), start_(config_, signals_, service_) {}
 
-  // false: asked to stop meanwhile.
+  // false: stopped meanwhile.
   Result<bool> build();
   void run();
   int close();
@@ -137,7 +137,7 @@ void Daemon::start_recording() {
   const drivers::SourceInfo& info = rig_->source->info();
   recording_.emplace(config_.recording, info, config_.source.speed <= 0.0 && !info.live);
   if (config_.recording.at_start) {
-    // The odometry is what it is for: without a recording it goes on, and VO_HEALTH says so.
+    // The odometry is what it is for: without a recording it goes on, and VO_HEALTH reports it.
     if (const auto ok = recording_->start(); !ok) report(ok.error());
   }
   output_->publisher.copy_to([this](const std::string& channel, const std::uint8_t* data, std::size_t size) {
@@ -214,7 +214,8 @@ int check(const DaemonOptions& options) {
   if (!config) return report(config.error()), kBadInput;
   drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
   Config tried = *config;
-  tried.rectify.scale = config->rectify.scale.value_or(1.0);  // what this machine keeps up with is the doctor's to say
+  tried.rectify.scale =
+      config->rectify.scale.value_or(1.0);  // cliquevo doctor measures what this machine keeps up with
   const auto rig = open_rig(tried, ignored);
   if (!rig) return report(rig.error()), kBadInput;
   fmt::print("# {}\n", drivers::describe_source((*rig)->source->info()));
@@ -227,7 +228,7 @@ int run(const DaemonOptions& options) {
   rt::exceptions_end_with(unexpected_end());
   auto config = load_config(options.config);
   if (!config) return ended_by(config.error());
-  config->source.cameras.patience_s = 0.0;  // it waits itself, and says for what
+  config->source.cameras.patience_s = 0.0;  // it waits itself, and reports for what
   Daemon daemon(options, *config, signals);
   const auto built = daemon.build();
   if (!built) return ended_by(built.error());

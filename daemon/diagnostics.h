@@ -17,7 +17,7 @@ struct SentCounts {
   std::atomic<std::int64_t> send_errors{0};
 };
 
-// What the last estimate says of the cameras; written by the output thread, read by the main one.
+// The last estimate's state of the cameras; written by the output thread, read by the main one.
 class LatestDiagnostics {
  public:
   void take(const vo::Estimate& estimate) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How the daemon gets on: once a second a message and a line for systemd; at any time, whether its watchdog may be fed.
+// Health of the daemon: once a second a message and a line for systemd; at any time, whether its watchdog may be fed.
 #pragma once
 
 #include <cstdint>

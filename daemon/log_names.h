@@ -22,8 +22,8 @@ std::optional<LogName> parse_log_name(std::string_view file_name);
 // For a recorder, which adds the number of the part.
 std::string log_name(std::int64_t start_s, int run);
 
-// What the daemon wrote into the folder, known by name and content, oldest first. Names tell the age; a file that was
-// last written before its name says is as old as that.
+// What the daemon wrote into the folder, known by name and content, oldest first. Names give the age; a file that was
+// last written before the time in its name is as old as that.
 std::vector<std::string> own_logs(const std::string& folder);
 // The first run of that second that no file in the folder is named after.
 int next_run(const std::string& folder, std::int64_t start_s);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the machine tells about itself (Linux: /proc and /sys).
+// State of the machine (Linux: /proc and /sys).
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace cliquevo::daemon {
 
-// Bytes of this process's memory that are in RAM; 0 where not told.
+// Bytes of this process's memory that are in RAM; 0 where unknown.
 std::int64_t resident_bytes();
 // Name and degrees Celsius of each thermal zone that can be read.
 std::vector<std::pair<std::string, double>> temperatures();

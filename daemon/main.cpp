@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// cliquevod: frames in, poses out over LCM, until told to stop.
+// cliquevod: frames in, poses out over LCM, until it is stopped.
 #include <string>
 
 #include <CLI/CLI.hpp>

@@ -29,7 +29,7 @@ class Recording {
   // Any thread; nothing happens while no recording is written.
   void add(const drivers::StereoPair& pair);
   void add(const std::string& channel, const std::uint8_t* data, std::size_t size);
-  // About once a second: tells of a failure, once. One line on what is written; empty = nothing is.
+  // About once a second: logs a failure, once. One line on what is written; empty = nothing is.
   std::string status();
 
  private:

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the daemon tells systemd (sd_notify). Without systemd each call does nothing.
+// Reports of the daemon to systemd (sd_notify). Without systemd each call does nothing.
 #pragma once
 
 #include <cstdint>

@@ -23,7 +23,7 @@ struct Watched {
   std::string source;  // its description
 };
 
-// Until the source's end or a signal to stop; the pipeline is then asked to stop.
+// Until the source's end or a signal to stop; the pipeline is then stopped.
 void watch(const Watched& watched, const Signals& signals, const std::function<void()>& on_hangup);
 
 }  // namespace cliquevo::daemon

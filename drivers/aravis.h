@@ -9,8 +9,8 @@
 
 namespace cliquevo::drivers {
 
-// One try, in which a camera that another program still holds is asked again for options.patience_s; trouble tells why
-// it failed. From then on a lost camera is looked for until it is back.
+// One try, in which a camera that another program still holds is retried for options.patience_s; trouble gives the
+// reason it failed. From then on a lost camera is looked for until it is back.
 Result<std::unique_ptr<FrameSource>> open_aravis(const CameraOptions& options, OpenTrouble& trouble);
 
 // What answers on the network and USB; takes a second.

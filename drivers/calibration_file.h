@@ -11,7 +11,7 @@
 namespace cliquevo::drivers {
 
 // path: a file, or a folder that holds the files of both cameras. width, height: of the images it is for (0 = unknown;
-// some formats do not tell); one of another size is scaled where aspect and principal point say so, else an error.
+// some formats lack it); one of another size is scaled where aspect and principal point fit, else an error.
 // What was assumed stands in the calibration's notes.
 Result<StereoCalibration> read_calibration(const std::string& path, int width, int height,
                                            const CalibrationOptions& options = {});

@@ -9,8 +9,8 @@
 
 namespace cliquevo::drivers {
 
-// swap: the images (and masks) of both cameras change places, the calibration stays. The source that is returned says
-// by finding(), and in status(), what is wrong with its cameras.
+// swap: the images (and masks) of both cameras change places, the calibration stays. finding() and status() of
+// the source that is returned report what is wrong with its cameras.
 std::unique_ptr<FrameSource> watch_camera_order(std::unique_ptr<FrameSource> source, bool swap);
 
 }  // namespace cliquevo::drivers

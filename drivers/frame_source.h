@@ -46,7 +46,7 @@ class FrameSource {
   virtual Result<bool> next(StereoPair& pair) = 0;
   // Any thread: a next() that waits for frames, and every later one, returns false soon.
   virtual void interrupt() {}
-  // Any thread: one line on how a live source gets on ("left camera lost: reconnecting"); empty = nothing to tell.
+  // Any thread: one line on the state of a live source ("left camera lost: reconnecting"); empty = nothing to report.
   virtual std::string status() const { return ""; }
   // Any thread: one line on what the images show to be wrong with the source (left and right exchanged), for the user
   // to put right; empty = nothing.

@@ -9,8 +9,8 @@
 
 namespace cliquevo::drivers {
 
-// One try; trouble tells why it failed. From then on a camera that is unplugged is looked for under its id until it is
-// back.
+// One try; trouble gives the reason of a failure. From then on a camera that is unplugged is looked for under its id
+// until it is back.
 Result<std::unique_ptr<FrameSource>> open_libcamera(const CameraOptions& options, OpenTrouble& trouble);
 
 std::vector<SeenCamera> list_libcamera();

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Recorded sequences as frame sources: KITTI odometry, KITTI raw, KITTI-360, EuRoC, two folders of images, images of
-// both cameras in one folder or side by side, told apart by what the folder holds; or LCM event logs with stereo pairs,
+// both cameras in one folder or side by side, recognised by what the folder holds; or LCM event logs with stereo pairs,
 // a file or a folder of such.
 #pragma once
 

@@ -49,7 +49,7 @@ struct SimulatorOptions {
   bool shot_noise = true;
   bool motion_blur = true;
   bool exposure_changes = true;
-  // rough cameras: a set by name, and its effects one by one; -1 = as the set says
+  // rough cameras: a set by name, and its effects one by one; -1 = as the set has it
   std::string camera = "clean";  // clean, webcam, flexing, vibrating, action, sun
   int jpeg_quality = -1;         // 1 (worst) to 100, 0 = not compressed
   int jpeg_spread = -1;          // each picture's quality is off by up to so much

@@ -9,8 +9,8 @@
 
 namespace cliquevo::drivers {
 
-// One try; trouble tells why it failed. From then on a camera that is unplugged is looked for under its name until it
-// is back.
+// One try; trouble gives the reason of a failure. From then on a camera that is unplugged is looked for under its name
+// until it is back.
 Result<std::unique_ptr<FrameSource>> open_v4l2(const CameraOptions& options, OpenTrouble& trouble);
 
 // Every camera that captures video, with its stable name where it has one.

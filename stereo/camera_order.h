@@ -37,7 +37,7 @@ class CameraOrderCheck {
   OrderEvidence measure(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right);
   // The first of these alone: as left and right.
   double measure_forward(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right);
-  // Into the account; true: the pair changed what order() says.
+  // Adds the evidence; true: the pair changed order().
   bool add(const OrderEvidence& seen);
   CameraOrder order() const { return order_; }
   // Whether the pair with this running number (from 0) is worth a look: the first ones, later now and then for as long
@@ -66,11 +66,11 @@ class CameraOrderCheck {
   CameraOrder order_ = CameraOrder::unknown;
 };
 
-// Whether two images are the same picture, but for what a second compression does to it. Asked of images as grabbed:
+// Whether two images are the same picture, but for what a second compression does to it. For images as grabbed:
 // rectification turns each camera its own way.
 bool are_identical(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right);
 
-// One plain sentence for what needs doing; empty for `unknown` and `as_said`.
+// One sentence on what to do; empty for `unknown` and `as_said`.
 std::string describe(CameraOrder order);
 
 }  // namespace cliquevo::stereo

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pre-filter: takes brightness away and leaves horizontal structure, the only kind that tells disparities apart.
+// Pre-filter: takes brightness away and leaves horizontal structure, the only kind that distinguishes disparities.
 #pragma once
 
 #include "core/base/image.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The sub-commands of `cliquevo`, a file each. Each adds itself to the command line; when it is the one asked for, it
+// The sub-commands of `cliquevo`, a file each. Each adds itself to the command line; when it is the one chosen, it
 // runs while the line is parsed and leaves its exit code.
 #pragma once
 

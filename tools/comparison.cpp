@@ -21,7 +21,7 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-// How a figure is read, told and judged. What is smaller than `floor` on both sides is as good as equal.
+// How a figure is read, printed and judged. What is smaller than `floor` on both sides is as good as equal.
 struct Kind {
   const char* name;
   const char* unit;

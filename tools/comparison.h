@@ -56,7 +56,7 @@ struct ComparedRun {
 
 struct Gates {
   double accuracy = 1.10;      // so many times worse is allowed
-  std::optional<double> time;  // none: times are told, not judged
+  std::optional<double> time;  // none: times are printed, not judged
 };
 
 struct Comparison {

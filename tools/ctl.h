@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// cliquevo ctl: tells the running daemon what to do, and asks how it gets on.
+// cliquevo ctl: commands to the running daemon, and its status.
 #pragma once
 
 #include <string>

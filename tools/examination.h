@@ -13,7 +13,7 @@ struct Finding {
   std::string subject;
   Verdict verdict = Verdict::good;
   std::string found;   // what this machine has
-  std::string remedy;  // the command or step that mends it
+  std::string remedy;  // the command or step that corrects it
 };
 
 // config: a configuration file, empty = the defaults. root: where /proc and /sys are looked for (for tests).

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the program's exit code says, whichever sub-command ran.
+// Meaning of the program's exit codes, whichever sub-command ran.
 #pragma once
 
 #include "core/base/result.h"
@@ -10,7 +10,7 @@ enum ExitCode : int {
   kDone = 0,
   kBadInput = 1,         // bad input or environment
   kWrongUsage = 2,       // of the command line
-  kNotStrictEnough = 3,  // done, but short of the strictness that was asked for
+  kNotStrictEnough = 3,  // done, but short of the required strictness
 };
 
 // One line on stderr, `what: where: what to do`; returns `code`.

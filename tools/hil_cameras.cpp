@@ -40,7 +40,7 @@ struct HilCameras::Impl {
     Impl* rig = nullptr;
     bool is_left = true;
     ArvGvFakeCamera* camera = nullptr;
-    std::int64_t last_us = 0;  // when a frame was last asked for; under the mutex, as all that follows
+    std::int64_t last_us = 0;  // when a frame was last requested; under the mutex, as all that follows
     std::int64_t last_tick = 0;
     bool seen = false;
     std::int64_t sent = 0;

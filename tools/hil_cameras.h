@@ -16,7 +16,7 @@ struct HilOptions {
   std::string right_address = "127.0.0.2";
   std::string left_serial = "HIL-LEFT";
   std::string right_serial = "HIL-RIGHT";
-  double rate_hz = 10.0;  // until who takes the frames asks for another
+  double rate_hz = 10.0;  // until the receiver of the frames sets another
   bool pingpong = false;  // else silent after the last pair
   double loss = 0.0;      // share of the packets
   int drop_every = 0;     // every n-th frame of the right camera is not sent; 0 = none

@@ -15,7 +15,7 @@ constexpr int kWidth = 1600;
 constexpr int kHeight = 760;
 constexpr int kHeader = 46;
 
-// Those who see no red or no green tell these apart too (Okabe and Ito); shapes and dashes tell them apart in grey.
+// Colours that those who see no red or no green distinguish too (Okabe and Ito); shapes and dashes do so in grey.
 constexpr Color kBlue{0, 114, 178};
 constexpr Color kGrey{110, 110, 110};
 constexpr Color kRed{213, 75, 0};

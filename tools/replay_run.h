@@ -31,9 +31,9 @@ struct ReplayEnd {
   double wall_s = 0.0;
 };
 
-// Never drops a frame. A pair that the source cannot deliver is skipped and told; its line of the trajectory holds the
-// pose before it (but for a stamp that does not rise, in a trajectory with stamps). Ends at the source's end, at the
-// first pair that cannot be processed, or soon after SIGINT or SIGTERM.
+// Never drops a frame. A pair that the source cannot deliver is skipped and reported; its line of the trajectory holds
+// the pose before it (but for a stamp that does not rise, in a trajectory with stamps). Ends at the source's end, at
+// the first pair that cannot be processed, or soon after SIGINT or SIGTERM.
 ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeline, ReplayOutputs& outputs,
                      RunLog& log);
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a replay remembers of each frame, and what it tells about the run at its end.
+// What a replay records of each frame, and its summary of the run at the end.
 #pragma once
 
 #include <array>
@@ -38,7 +38,7 @@ class RunLog {
   void add(const FrameRecord& record);
   // A pair that the source could not deliver.
   void skip(std::int64_t index, const Error& why) { skipped_.add(index, why); }
-  // What the images show to be wrong with the source: what the self-check seems to say then means nothing.
+  // What the images show to be wrong with the source: the self-check's result then means nothing.
   void set_finding(std::string finding) { finding_ = std::move(finding); }
 
   const std::vector<FrameRecord>& frames() const { return frames_; }

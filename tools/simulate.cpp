@@ -73,7 +73,7 @@ class ContactSheet {
 
 Result<drivers::SimulatorOptions> to_options(const SimulateArguments& arguments) {
   drivers::SimulatorOptions options;
-  // The camera first: whatever else is given overrides what its set says.
+  // The camera first: whatever else is given overrides its set.
   for (const bool camera : {true, false}) {
     for (const auto& [key, value] : arguments.values) {
       if (value.empty() || (key == "camera") != camera) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pairs of a source that could not be played: a torn image, a stamp that steps back. They are told and counted.
+// Pairs of a source that could not be played: a torn image, a stamp that steps back. They are reported and counted.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@ class SkippedPairs {
     Error error;
   };
 
-  // Tells the first few on stderr, and that more follow.
+  // Reports the first few on stderr, and that more follow.
   void add(std::int64_t index, const Error& error);
   const std::vector<Entry>& entries() const { return entries_; }
   bool empty() const { return entries_.empty(); }

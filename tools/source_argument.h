@@ -30,14 +30,14 @@ struct SourceArgument {
   bool side_by_side = false;
   bool swap_eyes = false;
 
-  // Whether anything is said that is for recordings alone.
+  // Whether any option was given that is for recordings alone.
   bool is_for_recordings() const {
     return !calibration.empty() || !calibration_options.empty() || rate_hz || first || last || every ||
            pair_tolerance_s || bayer || !channel.empty() || side_by_side;
   }
 };
 
-// --calibration and what is said beside it.
+// --calibration and the options that go with it.
 void add_calibration_options(CLI::App& command, SourceArgument& source);
 
 bool is_simulator(const std::string& source);
@@ -48,7 +48,7 @@ Result<void> check_source(const SourceArgument& argument);
 void add_recording_options(CLI::App& command, SourceArgument& argument);
 
 // What the command line leaves open, the configuration decides (its simulator for a bare `sim`, its calibration, masks
-// and so on for a recording). What was assumed in reading the calibration is told on stderr.
+// and so on for a recording). What was assumed in reading the calibration is printed on stderr.
 Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceArgument& argument,
                                                           const daemon::SourceConfig& config);
 

@@ -43,7 +43,7 @@ void print_error_line(const std::string& line) noexcept {
       if (written <= 0) return;
       done += static_cast<std::size_t>(written);
     }
-  } catch (...) {  // no memory for the line: the exit code still tells
+  } catch (...) {  // no memory for the line: the exit code still shows the failure
   }
 }
 

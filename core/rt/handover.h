@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Hand-over of slots from one stage to the next: a hiccup is caught up with, under overload the newest wins.
+// Hand-over of slots from one stage to the next: after a short stall the backlog is worked off, under overload the
+// newest frame wins.
 #pragma once
 
 #include <algorithm>
@@ -87,7 +88,7 @@ class Handover {
 
  private:
   static constexpr int kCalm = 3;
-  // Number of the slot's turn and slot in one word, so that a place cannot change hands between a look and the taking.
+  // Number of the slot's turn and slot in one word, so that a place cannot change owner between check and take.
   static constexpr std::int64_t kEmpty = -1;
   static constexpr int kSlotBits = 16;
   static std::int64_t entry(std::int64_t number, int slot) { return (number << kSlotBits) | slot; }

@@ -18,7 +18,7 @@ namespace cliquevo::rt {
 
 namespace {
 
-// Whoever has it is above the limit.
+// A process with this capability may exceed the limit.
 bool has_lock_capability() {
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   __user_cap_data_struct data[_LINUX_CAPABILITY_U32S_3] = {};

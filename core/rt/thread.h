@@ -30,8 +30,8 @@ class Thread {
  public:
   Thread() noexcept;  // none
   // Fails only when no thread can be made. Without the right to a priority or the core, the thread runs all the same:
-  // shortfall() tells. A body that lets an exception out ends the program: one line on stderr, exit code 1
-  // (or what exceptions_end_with() says).
+  // shortfall() reports. A body that lets an exception out ends the program: one line on stderr, exit code 1
+  // (or that of exceptions_end_with()).
   static Result<Thread> start(const ThreadOptions& options, std::function<void()> body);
   Thread(Thread&&) noexcept;
   Thread& operator=(Thread&&) noexcept;  // joins the one it held

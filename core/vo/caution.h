@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Stricter limits after a suspicious frame: what is seen for a while shows itself less over a longer way, with fewer
-// points.
+// Stricter limits after a suspicious frame: until the next valid one (moving ground texture), or for three frames
+// (moving objects).
 #pragma once
 
 #include <algorithm>
@@ -15,11 +15,11 @@ class Caution {
   double bound_scale() const { return any() ? kStricter : 1.0; }
   bool any() const { return running_ground_ || frames_ > 0; }
 
-  // After a comparison of two frames: what it found makes the next ones suspicious.
+  // After a comparison of two frames: its failed checks make the next frames suspicious.
   void learn(const Checks& checks) {
     if (checks[Check::running_ground].fails()) running_ground_ = true;
     const Evidence& contradiction = checks[Check::contradiction];
-    // By the full bound: among people there is always some contradiction.
+    // By the full bound: where people move there is always some contradiction.
     if (contradiction.applies && contradiction.value * bound_scale() > contradiction.bound) frames_ = kFrames + 1;
   }
   // After a frame. Running ground stays suspicious until a frame is valid; things that move, for some frames.

@@ -17,7 +17,7 @@ enum class Check : std::uint8_t {
   hanging_camera,  // one camera moves, the other one stands
   found_again,     // after a suspicious frame: too few features found
   rival,           // a second motion is as well supported
-  uncertainty,     // the covariance says that the motion is hardly known
+  uncertainty,     // by its covariance the motion is hardly known
   count
 };
 inline constexpr std::size_t kChecks = static_cast<std::size_t>(Check::count);

@@ -11,7 +11,7 @@ namespace cliquevo::vo {
 namespace {
 
 constexpr std::size_t kInOrder = 2;  // corners of a cell that are put in order at a time
-// A corner is told by its score times this, plus how far it is from the last place in reading order.
+// Sort key of a corner: its score times this, plus how far it is from the last place in reading order.
 constexpr auto kPlaces = std::uint64_t{1} << 32;
 
 }  // namespace
@@ -37,7 +37,7 @@ void FeatureDetector::detect(ImageView<const std::uint8_t> image, ImageView<cons
                              std::vector<Feature>& features) {
   // Halve the threshold until there is enough to choose from: dark and blurred pictures need less contrast. A corner's
   // score does not depend on the threshold, nor does which of two neighbours is the better one: where the last
-  // picture's threshold is looked at first, all higher ones are told from the scores.
+  // picture's threshold is looked at first, all higher ones follow from the scores.
   int lowest = likely_threshold_;
   find_corners(image, lowest);
   for (;;) {

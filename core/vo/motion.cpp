@@ -178,7 +178,7 @@ Vector7d vector_of(const double (&v)[6], double shift) {
   return out;
 }
 
-// What the solution says beside the motion: its covariance (right perturbation), the shift, and the error common to
+// What the solution yields beside the motion: its covariance (right perturbation), the shift, and the error common to
 // all disparities, each with the others' share taken out.
 void read_solution(const MotionSums& sums, const Sigmas& sigmas, double shift_px, const Matrix6d& Ad, Motion& out) {
   const bool with_shift = sigmas.shift_px > 0.0;

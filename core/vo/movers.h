@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What moves otherwise than the world: cliques beyond the first, each a rigid thing with a motion of its own, told from
-// frame to frame. One that stands still in the view while the world moves is a part of the vehicle, or its shadow.
+// What moves otherwise than the world: cliques beyond the first, each a rigid object with a motion of its own, followed
+// from frame to frame. One that stands still in the view while the world moves is a part of the vehicle, or its shadow.
 #pragma once
 
 #include <array>
@@ -23,10 +23,10 @@ struct MoverPoint {
 };
 
 struct Mover {
-  int id = 0;               // the same thing keeps it for as long as it is found again; rises, never used twice
+  int id = 0;               // the same object keeps it for as long as it is found again; rises, never used twice
   int frames = 0;           // in which it was found, this one included
   bool of_vehicle = false;  // see VehiclePart
-  // The motion that the camera would have made if this thing stood still instead of the world: P_prev = T P_cur for
+  // The motion that the camera would have made if this object stood still instead of the world: P_prev = T P_cur for
   // its points, each as seen by the camera of its time.
   RigidTransform T_prev_cur;
   Matrix6d covariance = Matrix6d::Identity();              // left perturbation [translation, rotation vector]
@@ -34,7 +34,7 @@ struct Mover {
   Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();  // of its centre against the world, current camera's axes
   double reprojection_error_px = 0.0;                      // RMS
   int inliers = 0;                                         // matches that move so
-  int points = 0;                                          // of these, told below
+  int points = 0;                                          // of these, listed below
   std::array<MoverPoint, kMostMoverPoints> point = {};
 };
 
@@ -46,13 +46,13 @@ struct Movers {
   std::array<Mover, kMostMovers> mover = {};
 };
 
-// Something that stood still in the view for many frames in which the world behind it moved. Give it to a mask.
+// Something that stood still in the view for many frames in which the world behind it moved. A mask should cover it.
 struct VehiclePart {
-  int frames = 0;  // in which it was found so since the start; 0 = nothing noticed
+  int frames = 0;  // in which it was found so since the start; 0 = nothing found
   double left_px = 0.0, top_px = 0.0, right_px = 0.0, bottom_px = 0.0;  // around its points
 };
 
-// One plain sentence; empty where nothing was noticed.
+// One sentence; empty where nothing was found.
 std::string describe(const VehiclePart& part);
 
 }  // namespace cliquevo::vo

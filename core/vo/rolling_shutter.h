@@ -36,7 +36,7 @@ class RollingShutter {
 // Mean velocity over an interval.
 Velocity velocity_of(const RigidTransform& motion, TimestampNs interval_ns);
 
-// How fast the camera turned during the current frame's exposure, beside what its velocity says: vibration that the
+// How fast the camera turned during the current frame's exposure, beyond its velocity: vibration that the
 // motions between frames do not show bends the picture.
 struct TurnFit {
   Eigen::Vector3d rate = Eigen::Vector3d::Zero();  // rad/s

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What became of one feature of the last frame, for whoever wants to look; nothing of the odometry rests on it.
+// What became of one feature of the last frame, for displays; nothing of the odometry depends on it.
 #pragma once
 
 #include <cstdint>

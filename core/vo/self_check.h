@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the rectification leaves over, learned from ordinary driving: the vertical error as a function of the place in
-// the image (from the features of the two cameras), and an error common to all disparities (from what the motion's
-// residuals leave). Needs no target, no stop and no known scene.
+// Remaining errors of the rectification, estimated from ordinary driving: the vertical error as a function of the place
+// in the image (from features matched between left and right), and an error common to all disparities (from the
+// residuals of the motion). Needs no target, no stop and no known scene.
 #pragma once
 
 #include <array>
@@ -27,16 +27,16 @@ struct CalibrationCheck {
   // By how much disparities at the principal point are too large.
   double disparity_offset_px = 0.0;
   double disparity_offset_sigma_px = 0.0;
-  // The turn of the right camera about its x, y and z axes that would explain these errors.
+  // The rotation of the right camera about its x, y and z axes that would explain these errors.
   Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_sigma_deg = Eigen::Vector3d::Zero();
   bool compensated = false;  // the odometry corrects for it
 
-  // Plainly there, and large enough to be worth a new calibration.
+  // Significant, and large enough to be worth a new calibration.
   bool noticeable() const;
 };
 
-// One plain sentence, with the suggested correction where one is due.
+// One sentence, with the suggested correction where there is one.
 std::string describe(const CalibrationCheck& check);
 
 class SelfCheck {
@@ -47,7 +47,7 @@ class SelfCheck {
   // update_vertical(), so that the order within a frame does not matter.
   void add_vertical(double u_px, double v_px, double error_px);
   void update_vertical();
-  // What one frame's motion says of the disparities as they are used: too large by `residual_px`, with its inverse
+  // What one frame's motion shows of the disparities as they are used: too large by `residual_px`, with its inverse
   // variance by noise alone.
   void add_offset(double residual_px, double information);
   void reset();
@@ -61,7 +61,7 @@ class SelfCheck {
   // How uncertain disparities remain as they are used.
   double offset_variance_px2() const;
   // By how much a motion's covariance grows while the calibration is still being learned, and with rows that are far
-  // off, which a correction mends only in part; 1 when it is settled and small.
+  // off, which a correction removes only in part; 1 when it is settled and small.
   double unsettled() const;
   CalibrationCheck result() const;
 

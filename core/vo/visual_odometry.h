@@ -48,8 +48,8 @@ struct Estimate {
   double eigenvalue_ratio = 0.0;       // spread of the inliers in the image, 0 (a line) to 1 (round)
   Checks checks;                       // each check's value beside its bound: why a frame failed
   int quality = 0;                     // 0 to 100, from the covariance; 0 on failure
-  // What this frame alone says of an error common to all disparities, as compensated: how much too large, and the
-  // inverse variance of that figure by noise alone (0: says nothing).
+  // What this frame alone shows of an error common to all disparities, as compensated: how much too large, and the
+  // inverse variance of that figure by noise alone (0: nothing).
   double disparity_offset_px = 0.0;
   double disparity_offset_information = 0.0;
   // By how much this frame's disparities alone were found too large (a rig that flexes), and the camera's usual width
@@ -58,7 +58,7 @@ struct Estimate {
   double disparity_shift_sigma_px = 0.0;
   double expected_error_px = 0.0;
   CalibrationCheck calibration;  // what is known of its errors up to this frame
-  VehiclePart vehicle_part;      // noticed in the view up to this frame
+  VehiclePart vehicle_part;      // found in the view up to this frame
   StepTimes times;
 };
 

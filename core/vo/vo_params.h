@@ -53,7 +53,7 @@ struct VoParams {
   double max_running_ground = 4.0;     // change of surfaces beyond what left and right differ, times their scatter
   double max_uncertainty = 0.1;        // standard deviation of a motion, as a share of it
 
-  int min_mover_points = 6;  // matches that a thing must have to be told from the world
+  int min_mover_points = 6;  // matches that an object must have to count as a mover
 
   AfterFailure after_failure = AfterFailure::constant_velocity;
 

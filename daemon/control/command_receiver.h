@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Listens for VO_COMMAND, where that is switched on. Anybody who reaches the group can send: packets are taken of this
 // machine alone while the URL's ttl is 0, only whole and short ones, and only some a second. LCM's own receiver is not
-// used: it writes beyond its memory when told to by a packet.
+// used: a crafted packet makes it write beyond its memory.
 #pragma once
 
 #include <memory>

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is said on the control socket: a line a request (reset, record-start, record-stop, status), a line a reply: "ok"
-// and a sentence (for status: JSON), or "error" and what: where: what to do.
+// The protocol of the control socket: a line per request (reset, record-start, record-stop, status), a line a reply:
+// "ok" and a sentence (for status: JSON), or "error" and what: where: what to do.
 #pragma once
 
 #include <functional>

@@ -25,7 +25,7 @@ namespace cliquevo::daemon {
 namespace {
 
 constexpr std::size_t kMostPeers = 8;
-constexpr std::int64_t kIdleNs = 5'000'000'000;  // a peer that says or takes nothing for so long is hung up on
+constexpr std::int64_t kIdleNs = 5'000'000'000;  // a peer that sends or reads nothing for so long is disconnected
 constexpr int kLookMs = 500;                     // how often for idle ones
 constexpr std::size_t kReadSize = 256;           // a peer's replies to so much are sent before more is read
 constexpr mode_t kMode = 0660;                   // owner and group

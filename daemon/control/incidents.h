@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What goes wrong again and again without ending the daemon: counted, told in VO_HEALTH, logged once a second at most.
+// Repeated errors that do not end the daemon: counted, reported in VO_HEALTH, logged once a second at most.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ class Incidents {
  public:
   // Any thread. what: a sentence without a number; of more than 16 different ones the oldest are forgotten.
   void add(const std::string& what) { note(what, true); }
-  // The same for what is no fault: logged, not told.
+  // The same for what is no error: logged, not in VO_HEALTH.
   void log(const std::string& what) { note(what, false); }
   // Those of the last minute, each with its count since the start; empty = none.
   std::string text() const;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What became of a frame's features, for whoever wants to look: VO_FEATURES. The odometry thread gives, the output
+// What became of a frame's features, for displays: VO_FEATURES. The odometry thread gives, the output
 // thread takes; neither waits for the other.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Now and then a copy of what the odometry saw, for whoever wants to look: VO_IMAGES. The odometry thread gives, the
+// Copies of the odometry's images at a low rate, for displays: VO_IMAGES. The odometry thread gives, the
 // output thread takes; neither waits for the other.
 #pragma once
 

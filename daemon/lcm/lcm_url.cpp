@@ -102,7 +102,7 @@ Result<MulticastUrl> multicast_of(const Parts& parts, const std::string& url) {
 Result<void> check_multicast(const Parts& parts, const std::string& url) {
   const auto address = multicast_of(parts, url);
   if (!address) return address.error();
-  // Connecting a datagram socket sends nothing; it only asks for the route.
+  // Connecting a datagram socket sends nothing; it only looks up the route.
   const Socket probe(SOCK_DGRAM);
   sockaddr_in to{};
   to.sin_family = AF_INET;

@@ -11,7 +11,7 @@ namespace cliquevo::daemon {
 
 class LocalAddresses {
  public:
-  // Asks the system when it does not know the address, once a second at most.
+  // Queries the system when it does not know the address, once a second at most.
   bool contains(in_addr address);
 
  private:

@@ -21,7 +21,7 @@
 
 namespace cliquevo::daemon {
 
-// Variance (m^2, rad^2) sent where a covariance is not finite: "says nothing".
+// Variance (m^2, rad^2) sent where a covariance is not finite: "unknown".
 inline constexpr double kUnknownVariance = 1e6;
 
 // ns -> µs, always rounded down (also below zero), so that one exposure has one µs stamp in every message.

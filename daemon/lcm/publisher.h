@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Estimates out over LCM: VO_DELTA_CAMERA, POSE_BODY, VO_STATUS and whatever else is asked for of every frame,
+// Estimates out over LCM: VO_DELTA_CAMERA, POSE_BODY, VO_STATUS and whatever else is configured for every frame,
 // VO_HEALTH now and then.
 #pragma once
 

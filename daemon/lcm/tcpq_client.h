@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Messages to an LCM server over TCP (tcpq://). LCM's own client waits for ever for a server that accepts and says
+// Messages to an LCM server over TCP (tcpq://). LCM's own client waits for ever for a server that accepts and sends
 // nothing, or that reads nothing; this one waits for a moment, then leaves messages out.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace cliquevo::daemon {
 
 class TcpqClient {
  public:
-  // Asks for the host's address, then connects and greets: half a second each at most.
+  // Resolves the host's address, then connects and greets: half a second each at most.
   static Result<std::unique_ptr<TcpqClient>> open(const std::string& url);
   ~TcpqClient();  // waits a moment for what is still to be sent
   TcpqClient(const TcpqClient&) = delete;

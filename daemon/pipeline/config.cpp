@@ -38,12 +38,12 @@ RigidTransform Mounting::T_body_camera() const {
 
 Config default_config() {
   Config config;
-  config.stereo.workers = 2;  // the library takes one thread unless told otherwise; a vehicle wants the pose soon
+  config.stereo.workers = 2;  // the library's default is one thread; a vehicle needs the pose soon
   config.T_body_camera = config.body.T_body_camera();
   return config;
 }
 
-// Each key's own range is in its row; what several keys say together is here and in the rooms' own checks.
+// Each key's own range is in its row; rules that involve several keys are here and in the rooms' own checks.
 Result<void> Config::check() const {
   Config checked = *this;
   const KeyTable table = config_keys(checked);

@@ -38,7 +38,7 @@ struct ControlConfig {
   std::string socket = "/run/cliquevo/control";  // empty = none
 };
 
-// What the daemon asks of the machine. Rights that it has not are reported once, and it runs without.
+// What the daemon requests of the machine. Missing rights are reported once, and it runs without them.
 struct RealtimeConfig {
   bool lock_memory = true;     // keep all memory in RAM
   int stereo_cpu = -1;         // core of the stereo thread, -1 = any
@@ -53,7 +53,7 @@ struct RealtimeConfig {
 // Logs that the daemon writes: pairs as grabbed, calibration, and the messages that it sends.
 struct RecordingConfig {
   std::string folder;                 // empty = no recording
-  bool at_start = false;              // from the start on; else when a command asks for it
+  bool at_start = false;              // from the start on; else by a command
   std::int64_t max_file_mb = 1024;    // a new file when this one has so many
   std::int64_t max_total_mb = 16384;  // of all logs in the folder that the daemon wrote: the oldest go
   std::int64_t queue_mb = 64;         // memory for what waits for the disk
@@ -88,7 +88,7 @@ struct Config {
 
 // The compiled defaults.
 Config default_config();
-// The defaults with what the file says. Relative paths in it start from the file's own folder.
+// The defaults with the file's values. Relative paths in it start from the file's own folder.
 Result<Config> read_config(const std::string& path);
 // The same of a text; path: for messages, and where relative paths start.
 Result<Config> parse_config(const std::string& text, const std::string& path);

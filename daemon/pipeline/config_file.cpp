@@ -116,7 +116,7 @@ Error with_line(const Error& error, const std::string& path, const std::map<std:
   return {fmt::format("{} ({})", error.what, error.where), where, error.remedy};
 }
 
-// Sets what the file says, key by key.
+// Sets the file's values, key by key.
 Result<void> read_entries(const KeyTable& table, const std::map<std::string, Entry>& entries, const std::string& path) {
   for (const Key& key : table.keys()) {
     const auto entry = entries.find(key.name);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the publisher is told about one frame.
+// What is published of one frame.
 #pragma once
 
 #include <cstdint>

@@ -21,7 +21,7 @@ struct RectifiedSize {
   double budget_ms = 0.0;
 };
 
-// The choice alone. cost_ms: measures a frame at a scale. It is asked for few scales, small ones first, and for the
+// The choice alone. cost_ms: measures a frame at a scale. It is called for few scales, small ones first, and for the
 // native one only where that may fit.
 Result<RectifiedSize> pick_scale(std::int64_t native_pixels, double budget_ms,
                                  const std::function<Result<double>(double scale)>& cost_ms);

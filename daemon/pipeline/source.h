@@ -15,7 +15,7 @@ namespace cliquevo::daemon {
 // One try; an error that waiting may cure sets trouble to another value than lasting.
 Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceConfig& config, drivers::OpenTrouble& trouble);
 Result<std::unique_ptr<drivers::FrameSource>> open_source(const SourceConfig& config);
-// Tries again for wait_s while waiting may help and `stopped` does not say so.
+// Tries again for wait_s while waiting may help and until stopped().
 Result<std::unique_ptr<drivers::FrameSource>> open_source_within(const SourceConfig& config, double wait_s,
                                                                  const std::function<bool()>& stopped);
 // The values of source.type that this build has.

@@ -56,7 +56,7 @@ class TrajectoryWriter {
   std::unique_ptr<std::FILE, Close> file_;
 };
 
-// Reads any of them, told apart by the count of numbers in a line. Empty lines and lines that start with # are
+// Reads any of them, recognised by the count of numbers in a line. Empty lines and lines that start with # are
 // skipped; anything else that is not a pose is an error with its line number. KITTI rotations are kept as they stand
 // in the file (rounded, so not quite orthonormal), TUM quaternions are normalised, TUM stamps must not fall.
 Result<Trajectory> read_trajectory(const std::string& path);

@@ -48,7 +48,7 @@ void Grabber::run() {
   Pacer pacer(s.lossless() ? 1.0 : s.options.speed);
   while (!s.stopping()) {
     const int index = s.slots.acquire();
-    if (index == PipelineState::kNone) {  // cannot be: there are enough for all hands
+    if (index == PipelineState::kNone) {  // cannot be: there are enough slots for all threads
       s.sleep_until(monotonic_ns() + PipelineState::kPollNs);
       continue;
     }

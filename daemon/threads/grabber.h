@@ -9,7 +9,7 @@ namespace cliquevo::daemon {
 class Grabber {
  public:
   explicit Grabber(PipelineState& state) : state_(state) {}
-  // Until the source's end, or asked to stop.
+  // Until the source's end, or stopped.
   void run();
 
  private:

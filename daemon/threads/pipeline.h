@@ -38,7 +38,7 @@ class Pipeline {
   // How long the stage has had work without finishing any, ns; 0 when it has none.
   std::int64_t standing_still_ns(StageId stage) const;
   const rt::Histogram& histogram(Span span) const;
-  // The source's own word on how it gets on; empty = nothing to tell.
+  // The source's own status; empty = nothing to report.
   std::string source_status() const;
   // What the images show to be wrong with the source; empty = nothing.
   std::string source_finding() const;

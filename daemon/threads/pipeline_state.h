@@ -40,7 +40,7 @@ struct PipelineState {
   bool lossless() const { return options.speed <= 0.0; }
   bool stopping() const { return stop_asked.load(std::memory_order_acquire); }
   bool has_failed() const { return failed.load(std::memory_order_acquire); }
-  // false: asked to stop.
+  // false: stopped.
   bool sleep_until(std::int64_t due_mono_ns);
   // Ends the pipeline with an error; the first one counts.
   void fail(const Error& what);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What Pipeline is told and what it tells.
+// Inputs and outputs of Pipeline.
 #pragma once
 
 #include <cstdint>

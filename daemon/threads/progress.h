@@ -8,7 +8,7 @@
 
 namespace cliquevo::daemon {
 
-// How a stage gets on, seen from outside. The producer counts work in; the consumer counts it out, or the producer when
+// Progress of a stage, seen from outside. The producer counts work in; the consumer counts it out, or the producer when
 // it is skipped.
 class Progress {
  public:

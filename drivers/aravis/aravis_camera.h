@@ -26,7 +26,7 @@ struct AravisFrame {
 
 class AravisCamera {
  public:
-  // follows: takes exposure and gain from the other camera where these are automatic. trouble: told with an error.
+  // follows: takes exposure and gain from the other camera where these are automatic. trouble: set with an error.
   static Result<AravisCamera> open(const std::string& name, const CameraOptions& options, bool follows,
                                    OpenTrouble& trouble);
   AravisCamera(AravisCamera&&) noexcept;
@@ -73,16 +73,16 @@ class AravisCamera {
 // Packets that wait too long are lost: real-time priority for the calling thread, as far as it is granted.
 void hurry_this_thread();
 
-// What is asked of a camera for a trigger; apart, so that it can be tested without cameras.
+// A camera's settings for a trigger; apart, so that they can be tested without cameras.
 struct FeatureSetting {
   std::string feature;
   std::string value;  // text, or a number
   bool operator==(const FeatureSetting&) const = default;
 };
 std::vector<FeatureSetting> trigger_settings(const CameraOptions& options);
-// What is asked of the stream and of the clock.
+// Settings of the stream and of the clock.
 struct StreamRequest {
-  unsigned packet_timeout_us = 0;  // without a packet until one is asked for again
+  unsigned packet_timeout_us = 0;  // without a packet until one is requested again
   unsigned frame_retention_us = 0;
   bool resend = false;
   bool operator==(const StreamRequest&) const = default;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What may reach a GigE Vision stream's socket. Aravis takes a frame's number of packets from whatever datagram comes
-// first, also from a forged one: it asks for 58 GB, or copies beyond its buffers. The kernel drops such datagrams
+// first, also from a forged one: it requests 58 GB, or copies beyond its buffers. The kernel drops such datagrams
 // before Aravis sees them, by a socket filter that is made from the camera's own geometry.
 #pragma once
 

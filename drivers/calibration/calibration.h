@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reading a calibration: what is asked for, and how the file of the other camera comes in.
+// Reading a calibration: the request, and how the file of the other camera is found.
 #pragma once
 
 #include <functional>
@@ -23,7 +23,7 @@ struct CalibrationRequest {
 
 Result<StereoCalibration> read_calibration(const CalibrationRequest& request);
 
-// A calibration may lie in more files than one. Asked for the first of these paths that exists.
+// A calibration may lie in more files than one. Returns the first of these paths that exists.
 struct NamedText {
   std::string path;
   std::string text;
@@ -36,7 +36,7 @@ Result<StereoCalibration> parse_calibration(const std::string& text, const Calib
 // Whether a file is the right camera's by its name.
 bool is_right_camera(const std::string& path);
 // The file in a folder that serves as calibration: by the usual names, else the only one of a known format. Empty =
-// none; the folder itself = several, among which reading it asks to choose.
+// none; the folder itself = several, and reading it is an error that lists them.
 std::string find_calibration(const std::string& folder);
 
 // Whether reading failed for want of the lens's name alone (CalibrationOptions::lens).

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What formats with matrices tell of one camera, and the rig that two make. ROS, ORB-SLAM and OpenCV write the same
-// things; many producers leave zeros where nothing was calibrated.
+// What formats with matrices hold of one camera, and the rig that two make. ROS, ORB-SLAM and OpenCV write the same
+// values; many producers leave zeros where nothing was calibrated.
 #pragma once
 
 #include <optional>
@@ -14,12 +14,12 @@ namespace cliquevo::drivers {
 
 struct CameraParts {
   std::string where;                 // of its file, for messages
-  CameraCalibration camera;          // focal lengths of 0 = not told
+  CameraCalibration camera;          // focal lengths of 0 = not given
   std::vector<double> D;             // distortion as it stands, with ...
-  std::string lens;                  // ... the model's name; empty = none told
+  std::string lens;                  // ... the model's name; empty = none given
   std::string D_where;               //
-  std::optional<Eigen::Matrix3d> R;  // raw -> rectified; zeros = not told
-  std::vector<double> P;             // 12 numbers of the rectified camera, or none; zeros = not told
+  std::optional<Eigen::Matrix3d> R;  // raw -> rectified; zeros = not given
+  std::vector<double> P;             // 12 numbers of the rectified camera, or none; zeros = not given
 };
 
 // A camera matrix of 9 numbers; zeros leave the camera without one.

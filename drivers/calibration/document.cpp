@@ -13,7 +13,7 @@ namespace cliquevo::drivers {
 namespace {
 
 constexpr std::size_t kMostNumbers = 1000;  // no calibration has more in one place
-constexpr double kMostValue = 1e9;          // nothing that a calibration tells is beyond
+constexpr double kMostValue = 1e9;          // no value of a calibration is beyond
 
 const DocumentNode kAbsent;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A calibration for these very images: what the file leaves open, the first pairs decide; what they contradict is said.
+// A calibration for these very images: what the file leaves open, the first pairs decide; what they contradict is
+// reported.
 #pragma once
 
 #include <string>
@@ -17,7 +18,7 @@ struct ImagePairView {
 };
 
 // Reads the calibration and looks at the pairs (a few; none leave it at the file):
-//  - four distortion terms of an unnamed lens: the model whose rows agree better; an Error asks where neither does;
+//  - four distortion terms of an unnamed lens: the model whose rows agree better; an Error where neither does;
 //  - images that are rectified already where the calibration is of raw ones: an Error that names --rectified;
 //  - a baseline that puts everything far away: a note.
 // Notes stand in the calibration.

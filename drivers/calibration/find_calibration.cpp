@@ -90,7 +90,7 @@ std::string find_in(const std::string& folder) {
               files.end());
   if (files.empty()) return {};
   if (files.size() == 1) return files.front();
-  // Beside other files (their pose alone, say) two that are named as a pair are the calibration.
+  // Beside other files (such as their pose alone) two that are named as a pair are the calibration.
   std::vector<std::string> pairs;
   std::copy_if(files.begin(), files.end(), std::back_inserter(pairs), [](const std::string& path) {
     const std::vector<std::string> others = other_camera_paths(path);

@@ -66,7 +66,7 @@ void split_fused(std::vector<std::string>& words) {
   }
 }
 
-// Says nothing about what the value is.
+// A word without meaning for the value.
 bool is_filler(const std::string& w) {
   return among(
       w, {"camera",  "cam",       "cameras",     "matrix", "mat",          "mtx",        "parameters",  "params",

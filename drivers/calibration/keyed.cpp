@@ -111,7 +111,7 @@ Result<void> read_terms(const Keys& keys, KeySide side, CameraParts& parts) {
   return {};
 }
 
-// The model's name. Words that name no lens ("type: stereo") count only where the key says distortion, and a rectified
+// The model's name. Words that name no lens ("type: stereo") count only where the key names distortion, and a rectified
 // camera's "perspective" not beside the raw ones' lens.
 Result<std::string> lens_name(const Keys& keys, KeySide side) {
   std::string lens;

@@ -117,7 +117,7 @@ Result<StereoCalibration> raw_rectified_part(const std::vector<TextLine>& lines,
   return c;
 }
 
-// The numbers of the cameras that a file tells of: "00", "101".
+// The numbers of the cameras in a file: "00", "101".
 std::set<std::string> cameras_of(const std::vector<TextLine>& lines) {
   std::set<std::string> out;
   for (const TextLine& line : lines) {
@@ -147,7 +147,7 @@ Result<CameraNames> camera_names(const CalibrationText& file, const CalibrationR
   return names;
 }
 
-// Halved files of DrivingStereo keep the P[3] of the whole image: T tells the baseline.
+// Halved files of DrivingStereo keep the P[3] of the whole image: the baseline is that of T.
 void mend_halved(double poses_m, StereoCalibration& rectified) {
   const double projected_m = -rectified.T_right_left.t.x();
   const double ratio = projected_m / poses_m;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Four distortion terms without a name are OpenCV's k1 k2 p1 p2, or k1 k2 k3 k4 of its fisheye module. What the numbers
-// tell; where they do not, the images (examine.h) or the user must.
+// Four distortion terms without a name are OpenCV's k1 k2 p1 p2, or k1 k2 k3 k4 of its fisheye module. Decided by the
+// numbers; where they do not suffice, by the images (examine.h) or the user.
 #pragma once
 
 #include <string>
@@ -13,7 +13,7 @@ namespace cliquevo::drivers {
 
 struct LensGuess {
   std::string lens;  // plumb_bob, equidistant; empty = the numbers fit both
-  std::string note;  // to tell, where it is not the plain reading
+  std::string note;  // for the user, where it is not the plain reading
 };
 
 LensGuess guess_lens(const CameraCalibration& left, const std::vector<double>& D_left, const CameraCalibration& right,

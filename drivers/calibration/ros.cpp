@@ -155,7 +155,7 @@ Result<StereoCalibration> read_ost(const CalibrationText& file, const Calibratio
     return Error{fmt::format("calibration is of {} cameras instead of 2", cameras.size()), file.path,
                  "name the text of both cameras, or of one with that of the other beside it"};
   }
-  // The first is the left camera's unless its projection says that it is the right one's.
+  // The first is the left camera's unless its projection is that of the right one.
   Document left = as_camera_info(cameras[0]);
   Document right = as_camera_info(cameras[1]);
   const auto P_left = left.numbers("projection_matrix", 12);

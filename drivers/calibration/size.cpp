@@ -86,7 +86,7 @@ Result<void> settle_unsized(StereoCalibration& c, const CalibrationRequest& requ
   }
   if (request.width <= 0) return {};
   if (!std::isfinite(c.left.cx_px) || !std::isfinite(c.left.cy_px)) return {};
-  for (const CameraCalibration* camera : {&c.left, &c.right}) {  // absurd ones are told of as such
+  for (const CameraCalibration* camera : {&c.left, &c.right}) {  // absurd ones are reported as such
     if (std::abs(camera->cx_px) > 16384.0 || std::abs(camera->cy_px) > 16384.0) return {};
   }
   const std::optional<double> by = scale_by_centres(c.left, c.right);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Image files to grey pictures: PNG, JPEG, PGM/PPM, TIFF and BMP, told apart by their first bytes.
+// Image files to grey pictures: PNG, JPEG, PGM/PPM, TIFF and BMP, recognised by their first bytes.
 #pragma once
 
 #include <string>

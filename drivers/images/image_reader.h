@@ -19,9 +19,9 @@ class ImageReader {
  public:
   // Colour becomes grey by the BT.601 weights; samples of more than 8 bits are shifted down, by set_shift() or as far
   // as this image alone shows. Errors name the file: missing, no image, torn (also where the decoder would have filled
-  // in grey silently), absurd size (told from the header, before anything is decoded).
+  // in grey silently), absurd size (by the header, before anything is decoded).
   Result<void> read(const std::string& path, Image<std::uint8_t>& image);
-  // The same for a file in memory; `name` tells where it is from.
+  // The same for a file in memory; `name`: where it is from.
   Result<void> decode(const std::uint8_t* bytes, std::size_t size, const std::string& name, Image<std::uint8_t>& image);
   // As stored; the picture is valid until the next call.
   Result<const GreyPicture*> read_as_stored(const std::string& path);

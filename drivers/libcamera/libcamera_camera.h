@@ -28,7 +28,7 @@ struct LibcameraFrame {
 
 class LibcameraCamera {
  public:
-  // on_frame is called on libcamera's thread. trouble: told with an error.
+  // on_frame is called on libcamera's thread. trouble: set with an error.
   static Result<std::unique_ptr<LibcameraCamera>> open(const std::string& id, const CameraOptions& options,
                                                        std::function<void(const LibcameraFrame&)> on_frame,
                                                        OpenTrouble& trouble);
@@ -44,7 +44,7 @@ class LibcameraCamera {
   OpenTrouble trouble() const;
   bool lost() const { return lost_; }
   std::int64_t last_frame_mono_ns() const { return last_frame_mono_ns_; }
-  // What the sensor's last frame was taken with; 0 = not told.
+  // What the sensor's last frame was taken with; 0 = unknown.
   std::int32_t exposure_us() const { return exposure_us_; }
   float gain() const { return gain_; }
   // For the frames to come.

@@ -8,11 +8,11 @@ namespace cliquevo::drivers {
 
 namespace {
 
-// All in periods unless said. How they hang together: a step that leaves the stamps on the grid (within kOnGrid plus
-// the jitter of 0.1) and is not zero is at least kLeastStep. It moves a frame's arrival - stamp by as much against the
-// mean, so a frame nearer to the mean than that less all noise has seen no step: on_time(). Nothing arrives before it
-// is sent, so one that is kEarly has seen a step forward. A late one alone may pass for on time after a step forward,
-// which looks like frames missing: where numbers are left out two frames must be on time.
+// All in periods unless stated. How they depend on each other: a step that leaves the stamps on the grid (within
+// kOnGrid plus the jitter of 0.1) and is not zero is at least kLeastStep. It moves a frame's arrival - stamp by as much
+// against the mean, so a frame nearer to the mean than that less all noise has seen no step: on_time(). Nothing arrives
+// before it is sent, so one that is kEarly has seen a step forward. A late one alone may pass for on time after a step
+// forward, which looks like frames missing: where numbers are left out two frames must be on time.
 constexpr double kOnGrid = 0.15;
 constexpr double kOnGridAtFirst = 0.25;  // the grid itself stands on few jittered stamps
 constexpr double kLeastStep = 0.70;      // 1 - kOnGrid - 0.1, and the error of the mean
@@ -161,7 +161,7 @@ double CameraClock::on_time() const {
   return std::clamp(kLeastStep - (3.0 * spread_ + 0.05), kLeastOnTime, kMostOnTime);
 }
 
-// Only what comes to be certain tells the delay; but then all of it, or the mean would lean to the early ones.
+// Only frames that come to be certain count for the delay; but then all of them, or the mean would favour early ones.
 void CameraClock::collect_delay(double late) {
   if (std::abs(late) > kEarly) return;  // a stalled host must not pull the mean
   ++collected_;

@@ -9,11 +9,11 @@
 
 namespace cliquevo::drivers {
 
-// Exposures follow each other regularly, so a stamp tells its exposure's number (index) on a grid that is tracked with
+// Exposures follow each other regularly, so a stamp gives its exposure's number (index) on a grid that is tracked with
 // its period. A step of the clock by almost a whole number of periods looks like frames missing or repeated. It moves
 // the stamps against the arrivals, though, so a number is certain once a frame at or behind it arrives when an
-// unstepped clock says so: mostly the frame itself, at once. Until then it is held. Bounds on the noise within which
-// what is called certain is right, in periods: stamps +-0.1, arrivals +-0.4 but for single frames that may be any
+// clock without a step confirms it: mostly the frame itself, at once. Until then it is held. Bounds on the noise within
+// which what is called certain is right, in periods: stamps +-0.1, arrivals +-0.4 but for single frames that may be any
 // amount late; pace against the nominal rate 1 %.
 class CameraClock {
  public:
@@ -77,7 +77,7 @@ class CameraClock {
   int doubts_ = 0;       // frames on time that it takes until numbers are certain
   int unconfirmed_ = 0;  // frames since the first doubt
   double spread_ = 0.0;  // mean deviation of arrivals, periods
-  int collected_ = 0;    // of the frames since the first doubt, those that tell the delay
+  int collected_ = 0;    // of the frames since the first doubt, those that count for the delay
   double late_sum_ = 0.0;
   double spread_sum_ = 0.0;
   std::array<TimestampNs, kRecent> recent_{};

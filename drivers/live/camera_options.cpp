@@ -35,7 +35,7 @@ Result<void> CameraOptions::check() const {
 }
 
 Result<void> check_live_calibration(const CameraOptions& options) {
-  // Some formats do not tell the size: any will do for them.
+  // Some formats do not hold the size: they fit any.
   constexpr int kAnyWidth = 640;
   constexpr int kAnyHeight = 480;
   const auto calibration = read_calibration(options.calibration, options.width, options.height);

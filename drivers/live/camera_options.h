@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is asked of a live stereo pair, whichever family of drivers it is of.
+// Settings of a live stereo pair, whichever family of drivers it is of.
 #pragma once
 
 #include <optional>
@@ -55,7 +55,7 @@ struct CameraOptions {
   std::string controls;   // further ones by name: "name=value,name=value"
   std::string left_mask;  // image files, 0 = the vehicle's own parts
   std::string right_mask;
-  double patience_s = 12.0;  // not a key: how long a camera that is held is asked for again before that is an error
+  double patience_s = 12.0;  // not a key: how long a camera held by another program is retried before that is an error
 
   Result<void> check() const;        // ranges
   Result<void> check_names() const;  // what must be given for cameras to be opened
@@ -72,7 +72,7 @@ struct SeenCamera {
   std::string family;  // aravis, v4l2, libcamera: source.type
   std::string id;      // what source.cameras.left takes
   std::string description;
-  std::vector<std::string> formats;  // where they are told without opening it
+  std::vector<std::string> formats;  // where they are known without opening it
 };
 
 }  // namespace cliquevo::drivers

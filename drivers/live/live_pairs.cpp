@@ -153,7 +153,7 @@ bool LivePairs::next(StereoPair& pair) {
   pair.right_offset_ns = ready.skew_ns;
   pair.host_ns = ready.arrival_utc_ns;
   pair.truth_T_world_camera.reset();
-  // The storage changes hands: nothing is copied.
+  // The storage is swapped: nothing is copied.
   std::swap(pair.left, store(CameraSide::left).frames[ready.left].image);
   std::swap(pair.right, store(CameraSide::right).frames[ready.right].image);
   give_back(CameraSide::left, ready.left);

@@ -19,7 +19,7 @@ class PairSync {
 
   // A frame arrived. Appends to `outcome`; tokens in it are the caller's again.
   void push(CameraSide camera, const SyncFrame& frame, SyncOutcome& outcome);
-  // Time has passed without frames: notices lost cameras, hands back what waits for them.
+  // Time has passed without frames: detects lost cameras, hands back what waits for them.
   void advance(std::int64_t now_ns, SyncOutcome& outcome);
 
   SyncState state() const;

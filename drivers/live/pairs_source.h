@@ -27,7 +27,7 @@ class PairsSource final : public FrameSource {
   std::unique_ptr<Pairs> pairs_;
 };
 
-// family: how people call it. trouble: told with an error.
+// family: its usual name. trouble: set with an error.
 template <typename Pairs>
 Result<std::unique_ptr<FrameSource>> open_pairs_source(const CameraOptions& options, const char* family,
                                                        OpenTrouble& trouble) {

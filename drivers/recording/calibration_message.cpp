@@ -61,7 +61,7 @@ void put(const Image<std::uint8_t>& mask, std::int32_t& size, std::vector<std::u
   size = static_cast<std::int32_t>(out.size());
 }
 
-// Whether the message is as long as its own counts say, which the generated decoder takes memory for unseen.
+// Whether the message is as long as its own counts imply: the generated decoder allocates by them unchecked.
 bool is_whole(const std::uint8_t* data, std::size_t size) {
   ByteReader reader(data, size);
   const bool of_prism = reader.number<std::int64_t>() == prism_calibration_t::getHash();
@@ -171,7 +171,7 @@ Result<SourceInfo> parse_calibration_message(const std::uint8_t* data, std::size
   if (c.rectified && !c.prescribed) return bad();
   CalibrationRequest request;
   request.path = path;
-  request.options.baseline_unit_m = 1.0;  // metres, whatever they were told by
+  request.options.baseline_unit_m = 1.0;  // metres, whatever the file had
   const StereoCalibration as_written = c;
   auto finished = finish_calibration(std::move(c), request);  // its checks; the numbers stay those that were written
   if (!finished) return finished.error();

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Two folders of images whose paths differ in what tells left from right.
+// Two folders of images whose paths differ in the word for left and right.
 #include <algorithm>
 #include <array>
 #include <filesystem>
@@ -45,7 +45,7 @@ struct FolderPair {
   const ImageFolder* right = nullptr;
   int kind = 0;
   std::string parent;        // what both have in common before their paths part
-  bool bare_number = false;  // nothing but a number tells
+  bool bare_number = false;  // the side is given by a number alone
 
   // The lower, the likelier it is meant.
   auto rank() const {
@@ -82,7 +82,7 @@ bool same_names(const ImageList& a, const ImageList& b) {
                     [](const RecordedImage& x, const RecordedImage& y) { return x.name == y.name; });
 }
 
-// Names that tell the side themselves ("left_0001" and "right_0001") lose that word, so that they match by name.
+// Names that contain the side themselves ("left_0001" and "right_0001") lose that word, so that they match by name.
 void strip_sides(Layout& layout) {
   if (same_names(layout.left, layout.right) || layout.left.images.empty()) return;
   for (const SideReading& reading : read_sides(layout.left.images.front().name)) {

@@ -42,7 +42,7 @@ Result<std::optional<Layout>> find_kitti_odometry(const std::string& path);
 Result<std::optional<Layout>> find_two_folders(const std::string& path);
 Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path);
 Result<std::optional<Layout>> find_side_by_side(const std::string& path);  // where the halves are seen to match
-Result<Layout> read_side_by_side(const std::string& path);                 // said to be so
+Result<Layout> read_side_by_side(const std::string& path);                 // as the user states
 Result<std::optional<Layout>> find_single_side(const std::string& path);   // only ever an error: the other is missing
 
 // The layouts, in the order in which they are tried.
@@ -52,7 +52,7 @@ struct LayoutKind {
 };
 const std::vector<LayoutKind>& layout_kinds();
 
-// The first of them that fits; an error tells what was looked for and what is there. side_by_side: said by the user.
+// The first of them that fits; an error lists what was looked for and what is there. side_by_side: stated by the user.
 Result<Layout> find_layout(const std::string& path, bool side_by_side = false);
 
 // Shared by the finders.

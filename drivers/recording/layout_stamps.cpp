@@ -68,7 +68,7 @@ Result<void> find_stamps(Layout& layout, const std::string& top) {
     std::vector<std::string> said_already;
     return stamps_from_file(right_times, layout.right, said_already);
   }
-  // One list of times serves both cameras only where the names say which images belong together.
+  // One list of times serves both cameras only where the names show which images belong together.
   std::string times = left_times;
   std::error_code ec;
   const fs::path last = fs::weakly_canonical(top, ec);

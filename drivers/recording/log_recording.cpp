@@ -127,7 +127,7 @@ class Collector {
     pairs_[std::string(channel)].push_back({number, event, 0, static_cast<int>(contents.calibrations.size()) - 1});
   }
 
-  // Of the channel that was asked for, else of the only one there is.
+  // Of the channel that was chosen, else of the only one there is.
   Result<std::vector<LoggedPair>> pairs(const RecordingOptions& options) {
     if (pairs_.empty()) {
       return Error{"no stereo pair in the log", options.path, "name a log with images_t messages (VO_STEREO)"};

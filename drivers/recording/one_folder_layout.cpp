@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Both cameras' images in one folder: names that tell the side, or one picture with both halves.
+// Both cameras' images in one folder: names that contain the side, or one picture with both halves.
 #include <algorithm>
 #include <filesystem>
 #include <map>

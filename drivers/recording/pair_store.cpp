@@ -125,7 +125,7 @@ class Recording final : public FrameSource {
     changed_.wait(lock, [this] { return filled_ > 0 || ended_; });
     if (filled_ == 0) return false;
     Slot& slot = slots_[taken_ % slots_.size()];
-    // The storage changes hands both ways: nothing is copied, nothing allocated.
+    // The storage is swapped both ways: nothing is copied, nothing allocated.
     std::swap(pair, slot.pair);
     Result<bool> result = std::move(slot.result);
     ++taken_;

@@ -29,7 +29,7 @@ Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const Recordi
 
 // Plays the store's pairs with these stamps by the options: from first to last, or to and fro; read ahead by a thread
 // or not. A pair that is to be skipped is an error of next(); to and fro it is left out. Bayer mosaics become grey, by
-// the options or where the images show it; the description says so.
+// the options or where the images show it; the description states it.
 std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, RisingStamps stamps, SourceInfo info,
                                         const RecordingOptions& options);
 // Rate of the pairs that are played; 0 = unknown.

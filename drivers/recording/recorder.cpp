@@ -229,7 +229,7 @@ Result<void> Recorder::stop() {
   }
   impl_->changed.notify_all();
   if (impl_->thread.joinable()) impl_->thread.join();
-  // A log of nothing still tells the cameras.
+  // A log without pairs still holds the calibration.
   if (impl_->writer && impl_->writer->bytes() == 0 && !impl_->failure) {
     const std::int64_t now_us = utc_now_ns() / 1000;
     const auto& calibration = impl_->calibration;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is asked of a recording.
+// How a recording is to be read.
 #pragma once
 
 #include <cstdint>

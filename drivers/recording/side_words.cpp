@@ -77,7 +77,7 @@ bool names_a_camera(const std::string& low, std::size_t begin, std::size_t end) 
          std::any_of(kParts.begin(), kParts.end(), is_part);
 }
 
-// A number is the left one of its pair, or the right one: its partner tells. "02" and "03" keep their zeros.
+// A number is the left one of its pair, or the right one: its partner decides. "02" and "03" keep their zeros.
 void add_numbers(const std::string& low, std::vector<SideReading>& out) {
   for (std::size_t at = 0; at < low.size();) {
     std::size_t end = at;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How names tell left from right: by a word (left/right, l/r) or a number (0/1, 1/2, 2/3, ...), anywhere in the name.
+// How names mark left and right: by a word (left/right, l/r) or a number (0/1, 1/2, 2/3, ...), anywhere in the name.
 #pragma once
 
 #include <optional>
@@ -12,9 +12,9 @@ enum class Side { left, right };
 
 // One way to read a name as that of a side.
 struct SideReading {
-  int kind = 0;  // what tells: kWordKind, kLetterKind, or kFirstNumberKind + the left side's number
+  int kind = 0;  // which mark: kWordKind, kLetterKind, or kFirstNumberKind + the left side's number
   Side side = Side::left;
-  std::string rest;  // lower case, with a mark where the telling word was
+  std::string rest;  // lower case, with a mark where the word for the side was
 };
 
 // From the clearest to the weakest.
@@ -22,15 +22,15 @@ inline constexpr int kWordKind = 0;
 inline constexpr int kLetterKind = 1;
 inline constexpr int kFirstNumberKind = 2;
 
-// Every reading there is; none for a name that tells nothing. Words are found anywhere ("imageLeft"), letters where
+// Every reading there is; none for a name without a side. Words are found anywhere ("imageLeft"), letters where
 // they stand alone ("cam_l", "imgL"), numbers of one or two digits ("cam0", "I1_000007", "image_02").
 std::vector<SideReading> read_sides(const std::string& name);
 
 // The readings under which two names are those of a left and a right image: same kind, same rest.
 std::optional<int> pair_kind(const std::string& left, const std::string& right);
 
-// The name without the word that tells its side, as `kind` has it: what both images of a pair share; empty = it does
-// not tell.
+// The name without the word for its side, as `kind` has it: what both images of a pair share; empty = it has no such
+// word.
 std::optional<std::string> without_side(const std::string& name, int kind, Side side);
 
 // What a kind is called in messages: "left and right", "0 and 1".

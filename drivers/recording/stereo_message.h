@@ -24,7 +24,7 @@ struct StereoMessageSide {
   const std::uint8_t* jpeg = nullptr;
   std::size_t jpeg_size = 0;
   TimestampNs stamp_ns = 0;
-  TimestampNs host_ns = 0;  // 0 = not told
+  TimestampNs host_ns = 0;  // 0 = not given
 };
 struct StereoMessage {
   StereoMessageSide left;
@@ -37,7 +37,7 @@ Result<StereoMessage> parse_stereo(const std::uint8_t* data, std::size_t size, c
 // A message's beginning: its time, and where the first image's metadata begin.
 struct StereoMessageStart {
   std::optional<std::int64_t> utime;
-  std::int64_t metadata_at = 0;  // 0 = not told: the first image is not the left one
+  std::int64_t metadata_at = 0;  // 0 = not given: the first image is not the left one
 };
 StereoMessageStart parse_stereo_start(const std::uint8_t* data, std::size_t size);
 // The exposure among the metadata [ns].

@@ -23,7 +23,7 @@ struct StampRow {
 struct TimesTable {
   std::vector<StampRow> rows;  // at least one; stamps as they are, rising or not
   std::string note;            // what was concluded rather than read; empty = nothing
-  bool bare_heading = false;   // the first line was taken for a heading though no '#' says so
+  bool bare_heading = false;   // the first line was taken for a heading though it has no '#'
 };
 
 // Columns are parted by blanks, tabs, commas or semicolons, words may be quoted. A time is a date and time (with an
@@ -32,7 +32,7 @@ struct TimesTable {
 // take the unit in which they come at 0.5 to 1000 Hz. Error: a row that is no time, naming file and line.
 Result<TimesTable> parse_times(std::string_view text, const std::string& path);
 
-// One time on its own: decimal seconds ("1687709319.100414", "1.036e-01"), whole ms, us or ns since 1970 (told by their
+// One time on its own: decimal seconds ("1687709319.100414", "1.036e-01"), whole ms, us or ns since 1970 (by their
 // magnitude), date and time ("2011-09-26 14:05:37.977365760", "2021-03-02T10:37:17.1+01:00").
 std::optional<TimestampNs> parse_stamp(std::string_view text);
 // Whole numbers that can only be ms, us or ns since 1970.

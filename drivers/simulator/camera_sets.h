@@ -15,7 +15,7 @@ std::string camera_set_names();
 // The size and focal length of the set `options.camera`, over what was there.
 void take_camera_size(SimulatorOptions& options);
 
-// What is left to the camera (-1) becomes what options.camera says.
+// Values of -1 become those of the set options.camera.
 SimulatorOptions with_camera(SimulatorOptions options);
 
 }  // namespace cliquevo::drivers::sim

@@ -241,7 +241,7 @@ Result<void> set_all(SimulatorOptions& options, const std::string& text, bool ca
 
 Result<SimulatorOptions> parse_simulator_options(const std::string& text) {
   SimulatorOptions options;
-  // The camera first: whatever else is given overrides what its set says, wherever it stands.
+  // The camera first: whatever else is given overrides its set, in any order.
   for (const bool camera : {true, false})
     if (auto set = set_all(options, text, camera); !set) return set.error();
   if (const Result<void> checked = options.check(); !checked) return checked.error();

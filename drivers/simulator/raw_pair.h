@@ -11,10 +11,10 @@
 
 namespace cliquevo::drivers::sim {
 
-// The rectified pair of the options: the world's truth is told for it, whether the images are raw or not.
+// The rectified pair of the options: true poses and disparities are for it, whether the images are raw or not.
 StereoModel rectified_model(const SimulatorOptions& options);
 
-// What SourceInfo tells. Raw: plumb-bob lenses, both cameras turned by the same angle in opposite ways (so that every
+// What SourceInfo holds. Raw: plumb-bob lenses, both cameras turned by the same angle in opposite ways (so that every
 // usual rectification turns them back to the same orientation), and that rectification as the prescribed one.
 StereoCalibration simulated_calibration(const SimulatorOptions& options);
 

@@ -109,7 +109,7 @@ std::uint64_t hash_of(const std::string& key) {
   return checksum(reinterpret_cast<const std::uint8_t*>(key.data()), key.size());
 }
 
-// A scene's folder as we make it: a folder, no link, named after the hash of what its note says.
+// A scene's folder as we make it: a folder, no link, named after the hash of its note.
 bool is_scene(const fs::path& folder) {
   std::error_code error;
   const std::string name = folder.filename().string();
@@ -181,7 +181,7 @@ std::int64_t make_room(const fs::path& root, const fs::path& keep, std::int64_t 
   return limit - total;
 }
 
-// Says what the folder holds; its time is that of the last use. Whole or not at all: it is what the folder is known by.
+// Describes the folder; its time is that of the last use. Written whole or not at all: the folder is recognised by it.
 void write_note(const fs::path& note, const std::string& key) {
   std::error_code error;
   if (fs::file_size(note, error) == key.size() && !error) {

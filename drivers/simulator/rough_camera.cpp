@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 // Of what shakes the whole camera. Its blur is made up during so long an exposure: with a rolling shutter the rows are
-// displaced by as much as that speed and frequency say.
+// displaced by as much as follows from that speed and frequency.
 constexpr double kVibrationHz = 60.0;
 constexpr double kVibrationExposureS = 0.010;
 

@@ -17,13 +17,13 @@ namespace cliquevo::drivers {
 enum class V4l2Taken {
   frame,
   nothing,     // within the time
-  incomplete,  // a frame that the driver says is broken
+  incomplete,  // a frame that the driver marks as broken
   lost,        // the device is gone or its stream has failed: open it again
 };
 
 struct V4l2Frame {
   RawFrame raw;                  // until the next take()
-  TimestampNs stamp_utc_ns = 0;  // middle of the exposure as far as the driver tells
+  TimestampNs stamp_utc_ns = 0;  // middle of the exposure as far as the driver knows
   TimestampNs arrival_utc_ns = 0;
   std::int64_t arrival_mono_ns = 0;
   std::int64_t sequence = 0;  // the driver's count
@@ -32,7 +32,7 @@ struct V4l2Frame {
 class V4l2Camera {
  public:
   // follows: its own exposure control stays off; it takes what the other camera found.
-  // trouble: told with an error.
+  // trouble: set with an error.
   static Result<V4l2Camera> open(const std::string& path, const CameraOptions& options, bool follows,
                                  OpenTrouble& trouble);
   V4l2Camera(V4l2Camera&& other) noexcept;

@@ -19,7 +19,7 @@ namespace cliquevo::drivers {
 
 class V4l2Pairs {
  public:
-  // Opens what the options name. trouble: told with an error.
+  // Opens what the options name. trouble: set with an error.
   static Result<std::unique_ptr<V4l2Pairs>> open(const CameraOptions& options, OpenTrouble& trouble);
   ~V4l2Pairs();
   V4l2Pairs(const V4l2Pairs&) = delete;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The inner loops of the stereo stage behind one table. They give the same bits on every instruction set; reference.cpp
-// says in plain words what each entry does.
+// defines what each entry does.
 #pragma once
 
 #include <cstddef>
@@ -35,7 +35,7 @@ inline constexpr int kMargin = 384;
 
 // Vectors take 32 disparities at a time.
 constexpr int padded_disparities(int num_disparities) { return (num_disparities + 31) / 32 * 32; }
-// A cost and the place where it was found share 16 bits ("key"): this many places must be told apart.
+// A cost and the place where it was found share 16 bits ("key"): this many places must be distinguished.
 constexpr int key_weight(int num_disparities) {
   int weight = 1;
   while (weight * 8 < padded_disparities(num_disparities)) weight *= 2;
@@ -106,7 +106,7 @@ struct MatchJob {
   int y;                  // the row to match; beyond the image its first or last row is repeated
   int step;               // 1: rows are matched downwards, -1: upwards
   bool first;             // whether `columns` must be built anew; otherwise they are those of row y - step
-  bool second;            // whether out.second() is asked for
+  bool second;            // whether out.second() is needed
   std::uint8_t* columns;  // column sums and scratch, column_cells()
   std::uint16_t* costs;   // cost_cells()
   MatchRow out;

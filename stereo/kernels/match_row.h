@@ -6,7 +6,7 @@
 // Vectors run over disparities: element e of a pixel is disparity last - e, so that the right image is read upwards.
 // Column sums are bytes in the order of e. Costs are kept as keys, cost * weight + place, in 16 bits: of each vector of
 // bytes the even elements form one register of keys and the odd ones another. `place` is 2 * (e / 16) + (e & 1), the
-// lane within eight tells the rest, so that the smallest key of a pixel carries cost and disparity at once.
+// lane within eight gives the rest, so that the smallest key of a pixel carries cost and disparity at once.
 
 #define CLIQUEVO_INLINE [[gnu::always_inline]] inline
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the matcher asks of a vector unit, in the words that SSE, AVX2 and AVX-512 share but for their prefix, which
-// CLIQUEVO_MM puts before them. Included inside the struct of each instruction set.
+// What the matcher needs of a vector unit, in the intrinsics that SSE, AVX2 and AVX-512 share but for their prefix,
+// which CLIQUEVO_MM puts before them. Included inside the struct of each instruction set.
 
 static Reg either(Reg a, Reg b) { return a | b; }
 static Reg add8(Reg a, Reg b) { return CLIQUEVO_MM(add_epi8)(a, b); }

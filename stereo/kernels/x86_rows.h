@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the row kernels ask of a vector unit, in the words that SSE and AVX2 share but for their prefix; see
+// What the row kernels need of a vector unit, in the intrinsics that SSE and AVX2 share but for their prefix; see
 // x86_match.h.
 
 static Reg both(Reg a, Reg b) { return a & b; }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Generated cases that tempt a visual odometry to lie: short windows out of rendered courses with exact truth, spoilt
-// in every way we know of, each labelled by what was done to it.
+// Generated cases in which a visual odometry may fail unreported: short windows out of rendered courses with exact
+// truth, disturbed in every way we know of, each labelled by its disturbance.
 #pragma once
 
 #include <cstdint>
@@ -35,7 +35,7 @@ const char* kind_name(Kind kind);
 struct Case {
   Kind kind = Kind::plain;
   std::string text;          // what it is, to find it again
-  drivers::SourceInfo info;  // with the calibration that the odometry is told
+  drivers::SourceInfo info;  // with the calibration that the odometry gets
   std::vector<drivers::StereoPair> pairs;
   // Frames whose motion since the one before can be had from the images; empty verdict expected nowhere else.
   std::vector<bool> solvable;

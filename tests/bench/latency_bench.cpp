@@ -36,7 +36,7 @@ using nlohmann::json;
 constexpr const char* kUrl = "udpm://239.255.76.67:7667?ttl=0";
 constexpr int kWarmUpFrames = 60;
 // A machine that is shared stands still now and then. A core on which even the highest priority that there is did not
-// run for so long is told, and frames dropped until soon after that are told apart from the others.
+// run for so long is reported, and frames dropped until soon after that are counted apart from the others.
 constexpr std::int64_t kStallUs = 8'000;
 constexpr std::int64_t kAfterStallUs = 150'000;
 constexpr int kHighestPriority = 99;
@@ -75,7 +75,7 @@ class Listener {
 
   std::atomic<std::int64_t> seen{0};
   struct Drop {
-    std::int64_t utime = 0;  // when it was told
+    std::int64_t utime = 0;  // when it was published
     std::int64_t frames = 0;
   };
   std::vector<Drop> drops;        // after warm-up

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Calibrations in all formats. The first byte chooses the file's name, the second what was said beside it; other files
-// that the format asks for have the same text.
+// Calibrations in all formats. The first byte chooses the file's name, the second the options; other files
+// that the format needs have the same text.
 #include <array>
 #include <cmath>
 #include <string>

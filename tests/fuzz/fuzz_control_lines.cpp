@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A peer of the control socket: its bytes in pieces (the first byte tells how large), each request answered by a line.
+// A peer of the control socket: its bytes in pieces (the first byte gives their size), each request answered by a line.
 #include <algorithm>
 
 #include "daemon/control/control_session.h"

@@ -145,7 +145,7 @@ TEST(AravisHil, CamerasThatAreKilledAndComeBackArePairedAgain) {
                  std::to_string(static_cast<double>(monotonic_ns() - back_ns) * 1e-9));
 }
 
-// Asked by itself, as it was left by whoever had it before.
+// Opened alone, as the program before left it.
 struct Setting {
   double exposure_us = 0.0;
   double gain = 0.0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Neighbours that forge the packets of cameras: the daemon lives, and its poses go on.
+// Other machines that forge the packets of cameras: the daemon goes on, and so do its poses.
 #include <algorithm>
 #include <arpa/inet.h>
 #include <chrono>

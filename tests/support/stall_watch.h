@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tells when the machine did not run what was ready to run: for tests of what only holds on one that does.
+// Detects times in which the machine did not run what was ready to run: for tests that depend on that.
 #pragma once
 
 #include <atomic>

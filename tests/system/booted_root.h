@@ -29,7 +29,7 @@ class BootedRoot {
   std::vector<std::string> in_its_network(std::vector<std::string> command) const;
   void write(const std::string& path, const std::string& text) const;
 
-  std::string property(const std::string& name) const;  // of cliquevod.service, as systemctl show tells it
+  std::string property(const std::string& name) const;  // of cliquevod.service, as systemctl show prints it
   // Waits until the unit's property has the value. false: not within timeout_s.
   bool wait_for(const std::string& name, const std::string& value, double timeout_s) const;
   // The daemon's process and thread numbers as this machine counts them; nothing when it does not run.

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Whether the covariance tells the truth: errors of rendered courses, normalised by it. Expected for six degrees of
+// Whether the covariance is right: errors of rendered courses, normalised by it. Expected for six degrees of
 // freedom: 6.
 #include <algorithm>
 #include <cmath>

@@ -61,7 +61,7 @@ void expect_found(const std::string& course) {
         turned.end_error_m, good.end_error_m);
     EXPECT_LT(error.cwiseAbs().maxCoeff(), 0.01) << axis;
     EXPECT_TRUE((error.cwiseAbs().array() < 3.0 * turned.check.rotation_sigma_deg.array()).all()) << axis;
-    // A frame's own error is about 0.1 mm: not asked for less.
+    // A frame's own error is about 0.1 mm: no less is required.
     EXPECT_LT(turned.end_error_m, 1.5 * good.end_error_m + 0.002) << axis;
   }
 }

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Frames that tell their number and camera: whoever receives one can check every byte.
+// Frames that hold their number and camera: a receiver can check every byte.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the browser's tests share: the program under test, Debian's Chromium, checks that say what they found.
+// What the browser's tests share: the program under test, Debian's Chromium, checks that print what they found.
 import { spawn } from "node:child_process";
 import fs from "node:fs";
 import path from "node:path";
@@ -23,10 +23,10 @@ export function startView(...args) {
   child.errors = "";
   child.stderr.on("data", (text) => { child.errors += text; });
   return new Promise((resolve, reject) => {
-    let told = "";
+    let printed = "";
     child.stdout.on("data", (text) => {
-      told += text;
-      const found = told.match(/http:\/\/\S+/);
+      printed += text;
+      const found = printed.match(/http:\/\/\S+/);
       if (found) resolve({ address: found[0], child });
     });
     child.on("exit", (code) => reject(new Error(`cliquevo view ended with ${code}: ${child.errors}`)));
@@ -79,7 +79,7 @@ export async function openPage(browser, address, size = { width: 1440, height: 9
 
 export const shot = (page, name) => page.screenshot({ path: path.join(output, `${name}.png`) });
 
-// Runs the whole test; the exit code tells CTest.
+// Runs the whole test; the exit code is CTest's verdict.
 export async function main(body) {
   let browser = null;
   try {

@@ -23,7 +23,7 @@ const resident = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, "utf8").
 const end = (page) => page.evaluate(() => window.cliquevo.records.end);
 const at = (page) => page.evaluate(() => window.cliquevo.at);
 
-// A page that asks for frames and never reads one.
+// A page that requests frames and never reads one.
 function sleeper(port) {
   const s = net.connect(port, "127.0.0.1");
   s.on("error", () => {});
@@ -43,7 +43,7 @@ await main(async (browser) => {
   await until("frames come", async () => (await end(page)) > 60, 90);
   await until("pictures come", () => page.evaluate(() => window.cliquevo.drawn > 10));
   await until("it follows the newest frame", async () => { const [e, a] = await page.evaluate(() => [window.cliquevo.records.end, window.cliquevo.at]); return e - a < 4; });
-  await until("health is told", () => page.evaluate(() => /Hz/.test(document.querySelector("#health").innerText)));
+  await until("health is shown", () => page.evaluate(() => /Hz/.test(document.querySelector("#health").innerText)));
   check("metres are known", await page.evaluate(() => window.cliquevo.state.model?.baseline > 0.1));
   await shot(page, "live-1");
   check("values and bounds of checks are there", await page.evaluate(() => window.cliquevo.records.list.at(-1).ck.some((c) => c.length === 3)));
@@ -82,8 +82,8 @@ await main(async (browser) => {
 
   child.removeAllListeners("exit");
   child.kill("SIGTERM");
-  await until("the page says that the view is gone", () => page.evaluate(() => /again/.test(document.querySelector("#connection").innerText)));
-  page.complaints.length = 0;  // Chromium tells of a refused connection
+  await until("the page shows that the view is gone", () => page.evaluate(() => /again/.test(document.querySelector("#connection").innerText)));
+  page.complaints.length = 0;  // Chromium logs a refused connection
   await startView("--lcm", url, "--port", String(port));
   await until("and connects again", () => page.evaluate(() => document.querySelector("#connection").innerText === "connected" && window.cliquevo.records.end > 5), 30);
   await shot(page, "live-2");

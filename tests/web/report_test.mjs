@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reports opened from disk: nothing is asked of any network, every number is that of --stats, hovering shows a frame.
+// Reports opened from disk: nothing is requested from any network, every number is that of --stats, hovering shows a frame.
 import fs from "node:fs";
 import path from "node:path";
 import { pathToFileURL } from "node:url";
@@ -18,11 +18,11 @@ await main(async (browser) => {
   const page = await openPage(browser, pathToFileURL(file("run.html")).href);
   await until("the report is drawn", () => page.evaluate(() => window.cliquevoReport?.ready));
   const stats = JSON.parse(fs.readFileSync(file("run.json")));
-  const told = await page.evaluate(() => { const { stats, records } = window.cliquevoReport.data; return { stats, records }; });
-  check("summary, reference and calibration are those of --stats", ["summary", "reference", "calibration"].every((k) => JSON.stringify(told.stats[k]) === JSON.stringify(stats[k])));
-  check("a record a frame", told.records.length === stats.frames.length, told.records.length);
+  const shown = await page.evaluate(() => { const { stats, records } = window.cliquevoReport.data; return { stats, records }; });
+  check("summary, reference and calibration are those of --stats", ["summary", "reference", "calibration"].every((k) => JSON.stringify(shown.stats[k]) === JSON.stringify(stats[k])));
+  check("a record a frame", shown.records.length === stats.frames.length, shown.records.length);
   const near = (a, b) => Math.abs(a - b) <= 1e-5 + 1e-5 * Math.abs(b);
-  const wrong = told.records.filter((r, i) => {
+  const wrong = shown.records.filter((r, i) => {
     const f = stats.frames[i];
     return r.s !== f.status_code || r.q !== f.quality || r.c[3] !== f.inliers || r.i !== f.index || !near(r.e, f.reprojection_error_px) || !near(r.p[0], f.T_world_camera.translation_m[2]) || !near(-r.p[1], f.T_world_camera.translation_m[0]);
   });

@@ -6,7 +6,7 @@ const frames = 120, firstBlank = 60, blank = 6;
 
 const at = (page) => page.evaluate(() => window.cliquevo.at);
 const failed = (page) => page.evaluate(() => window.cliquevo.records.failed);
-// Sum over the pixels of the picture: tells one picture from another.
+// Sum over the pixels of the picture: distinguishes one picture from another.
 const sum = (page) => page.evaluate(() => { const c = document.querySelector("#picture canvas"); const d = c.getContext("2d").getImageData(0, 0, c.width, c.height).data; let s = 0; for (let i = 0; i < d.length; i += 16) s += d[i] + 3 * d[i + 1] + 7 * d[i + 2]; return s; });
 const shownIs = (page, n) => page.evaluate((k) => window.cliquevo.shown.startsWith?.(`${k}/`), n);
 
@@ -36,7 +36,7 @@ await main(async (browser) => {
   await page.mouse.click(ribbon.x + ((firstBlank + 2.5) / frames) * ribbon.width, ribbon.y + ribbon.height / 2);
   check("a click on the ribbon goes to the failed frame", bad.includes(await at(page)), await at(page));
   const reasons = await page.locator("#why tr.failed").allInnerTexts();
-  check("the failed frame says why, with value and bound", reasons.length > 0 && /\d/.test(reasons[0]), reasons);
+  check("the failed frame shows why, with value and bound", reasons.length > 0 && /\d/.test(reasons[0]), reasons);
   await until("the failed frame's picture is shown", async () => shownIs(page, await at(page)));
   await shot(page, "2-failed-frame");
 
@@ -75,7 +75,7 @@ await main(async (browser) => {
   await page.keyboard.press(" ");
   await wait(1000);
   const played = await at(page), pictures = (await page.evaluate(() => window.cliquevo.drawn)) - drawn;
-  check("it plays at the speed asked for", played > 25 && played < 90, played);
+  check("it plays at the chosen speed", played > 25 && played < 90, played);
   console.log(`     ${pictures} pictures drawn in a second at ${played} frames a second`);
   await page.keyboard.press(" ");
 

@@ -26,7 +26,7 @@ bool names_us(std::string_view host, const AccessRules& rules) {
          is_address(host.substr(1, host.size() - 2), AF_INET6);
 }
 
-// In a time that does not tell how much of it is right.
+// In a time that does not depend on how much of it is right.
 bool same_secret(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned difference = 0;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Who may ask for what: everything that is decided from a request's text alone.
+// Who may request what: everything that is decided from a request's text alone.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@ namespace cliquevo::view {
 
 struct AccessRules {
   std::uint16_t port = 0;
-  std::string token;  // empty: loopback only, none is asked for
+  std::string token;  // empty: loopback only, none is required
 };
 
 // What of a request's head matters; empty = not there.
@@ -35,7 +35,7 @@ struct Judgement {
 Judgement judge(const RequestHead& request, const AccessRules& rules);
 std::string cookie_name(const AccessRules& rules);
 
-// What a page may say.
+// What a page may send.
 struct PageCommand {
   enum class What { frame, record_start, record_stop };
   What what = What::frame;

@@ -38,7 +38,7 @@ class Album {
   std::vector<Kept> worst_;
 };
 
-// The report with this data (tools/view/page/report.js tells what it may hold): one file that needs nothing beside it.
+// The report with this data (tools/view/page/report.js has its members): one file that needs nothing beside it.
 std::string report_page(const std::string& data_json);
 
 }  // namespace cliquevo::view

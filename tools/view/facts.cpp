@@ -131,7 +131,7 @@ std::vector<Eigen::Vector3f> some_points(const std::vector<vo::SeenFeature>& fea
                                          const StereoModel& model, const RigidTransform& T_world_camera) {
   std::vector<Eigen::Vector3f> out;
   const std::size_t step = std::max<std::size_t>(1, features.size() / (2 * most));
-  constexpr double kFarthestBaselines = 250.0;  // beyond, a point says little
+  constexpr double kFarthestBaselines = 250.0;  // beyond, a point is too uncertain
   for (std::size_t i = 0; i < features.size() && out.size() < most; i += step) {
     const vo::SeenFeature& f = features[i];
     if (f.role != vo::FeatureRole::inlier && f.role != vo::FeatureRole::of_key) continue;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What the page is told about a frame, from wherever it comes: the pipeline itself, or a daemon's messages. The room's
+// What the page gets of a frame, from wherever it comes: the pipeline itself, or a daemon's messages. The room's
 // only view of the odometry's types.
 #pragma once
 
@@ -65,7 +65,7 @@ struct FrameFacts {
   std::vector<Eigen::Vector3f> points;  // of some features, page's world
 };
 
-// One line of JSON, keys as short as the page wants them (tools/view/page/record.js tells them).
+// One line of JSON, keys as short as the page wants them (list: tools/view/page/record.js).
 std::string to_json(const FrameFacts& facts, std::int64_t number);
 
 // How uncertain the place has become since the start, from each motion's covariance.

@@ -31,7 +31,7 @@ class Feed {
   virtual ~Feed() = default;
   virtual bool live() const = 0;
   virtual std::string source() const = 0;
-  // Until the source's end, an error or until `stopped` says so; on a thread of its own.
+  // Until the source's end, an error or until stopped(); on a thread of its own.
   virtual void run(Store& store, const std::function<bool()>& stopped) = 0;
   // Any thread.
   virtual FeedState state() const = 0;

@@ -90,7 +90,7 @@ StereoModel model_of(const features_t& m) {
   return {m.width, m.height, m.fx_px, m.fy_px, m.cx_px, m.cy_px, m.baseline_m, m.doffs_px};
 }
 
-// What VO_STATUS says.
+// The members of VO_STATUS.
 void take_status(const status_t& s, FrameFacts& out) {
   out.index = s.frame;
   out.status = s.status;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The page's own files, which are part of the program: nothing else can be asked for.
+// The page's own files, which are part of the program: nothing else can be requested.
 #pragma once
 
 #include <string_view>

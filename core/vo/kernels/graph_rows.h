@@ -12,7 +12,7 @@ namespace {
 
 static_assert(kGraphLanes == kPatchLanes);
 
-// What patch_sums.h does without. at_most_bits: bit i tells that not b < a in lane i.
+// What patch_sums.h does without. at_most_bits: bit i is set where not b < a in lane i.
 inline PlainFloats operator/(PlainFloats a, PlainFloats b) {
   for (int i = 0; i < kGraphLanes; ++i) a.lane[i] /= b.lane[i];
   return a;

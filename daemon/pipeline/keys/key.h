@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One key of the configuration: where its value lives, and everything that is known of it. Whatever reads, checks,
+// One key of the configuration: the place of its value, and everything that is known of it. Whatever reads, checks,
 // lists or documents the configuration goes over a table of these.
 #pragma once
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The keys of the configuration file, one row each, in the file's order: name, where the value lives, unit, range,
+// The keys of the configuration file, one row each, in the file's order: name, place of the value, unit, range,
 // meaning. A new key is its field and its row; the sample file, the page on it, the schema and the completion are
 // written from here (tools/generate).
 #pragma once

@@ -255,7 +255,7 @@ TEST(spellings, the_same_said_twice_and_differently_is_an_error) {
   const std::string path =
       write_file(test::scratch_dir() + "/stereo.yml", first + matrix("camera_matrix_left", 3, 3, list_of(rig.K_left)));
   const auto c = read_calibration(path, 640, 480);
-  // Cameras by words beside cameras by numbers: told apart, or asked.
+  // Cameras by words beside cameras by numbers: distinguished, or an error.
   ASSERT_FALSE(c.ok());
   test::expect_clear(c.error(), {"twice", "camera_matrix_left"});
 }

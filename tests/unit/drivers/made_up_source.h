@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A camera that delivers made-up pairs: each of its pixels tells which pair it is of.
+// A camera that delivers made-up pairs: each of its pixels holds the number of its pair.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mosaics are told from grey images beyond doubt, and become grey without a trace of their cells.
+// Mosaics are distinguished from grey images beyond doubt, and become grey without a trace of their cells.
 #include "drivers/images/bayer.h"
 
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Every kind of PNG that the format has becomes the grey that its samples say.
+// Every kind of PNG that the format has becomes the grey of its samples.
 #include <filesystem>
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A calibration that is wrong is an error that says what, where and what to do.
+// A calibration that is wrong is an error that states what, where and what to do.
 #include <filesystem>
 
 #include <fmt/format.h>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A recording that is broken is an error that says what, where and what to do.
+// A recording that is broken is an error that states what, where and what to do.
 #include <filesystem>
 
 #include "tests/support/test_data.h"

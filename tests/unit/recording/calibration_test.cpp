@@ -64,7 +64,7 @@ TEST(calibration, kitti_odometry_is_a_rectified_pair_of_the_images_size) {
   EXPECT_DOUBLE_EQ(c.prescribed->model.baseline_m, 0.5);
   EXPECT_EQ(c.prescribed->model.doffs_px, 0.0);
   EXPECT_EQ(c.source, path);
-  EXPECT_TRUE(read_calibration(path, 0, 0).ok());  // the file does not tell a size
+  EXPECT_TRUE(read_calibration(path, 0, 0).ok());  // the file has no size
 }
 
 TEST(calibration, unequal_principal_points_of_a_rectified_pair_become_doffs) {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The start-up lines say what the camera can measure.
+// The start-up lines state what the camera can measure.
 #include "drivers/describe.h"
 
 #include <gtest/gtest.h>

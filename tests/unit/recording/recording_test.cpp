@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Recordings open without being told what they are, and play in order.
+// Recordings open without options, and play in order.
 #include "drivers/recording.h"
 
 #include <cmath>

@@ -16,7 +16,7 @@ namespace {
 
 class SimulatedRecordingTest : public testing::TestWithParam<const char*> {};
 
-// What is written is what the simulator delivered, and the recording driver reads it back without being told anything.
+// What is written is what the simulator delivered, and the recording driver reads it back without any option.
 TEST_P(SimulatedRecordingTest, ReadsBackAsTheSamePairsAndCalibration) {
   const auto options = drivers::parse_simulator_options(
       std::string("width=160,height=120,focal_px=175,frames=4,cache_dir=none,") + GetParam());

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The truth against the pictures: what the true depth and motion say must be what the images show. A shift that the
+// The truth against the pictures: what the true depth and motion predict must be what the images show. A shift that the
 // truth leaves over is estimated from the intensities (one step of Lucas-Kanade over a whole band of the image), so
 // that hundredths of a pixel show.
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Colours that those who see no red or no green can tell apart (Okabe and Ito), and shapes that need no colour.
+// Colours that those who see no red or no green can distinguish (Okabe and Ito), and shapes that need no colour.
 export const verdictColours = ["#8b98a5", "#1f9e77", "#e69f00", "#56b4e9", "#d55e00", "#cc79a7", "#f0e442"];
 
 export const roles = [

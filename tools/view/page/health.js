@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Health: of a daemon what it says of itself; of a recording how the run went so far.
+// Health: of a daemon its VO_HEALTH; of a recording how the run went so far.
 import { escape } from "./why.js";
 import { total } from "./record.js";
 

@@ -11,25 +11,25 @@ export class Link extends EventTarget {
   connect() {
     this.socket = new WebSocket(this.address);
     this.socket.binaryType = "arraybuffer";
-    this.socket.onopen = () => { this.wait = 250; this.asked = null; this.tell("open"); };
+    this.socket.onopen = () => { this.wait = 250; this.requested = null; this.emit("open"); };
     this.socket.onclose = () => {
-      this.tell("closed");
+      this.emit("closed");
       setTimeout(() => this.connect(), this.wait);
       this.wait = Math.min(4000, this.wait * 1.6);
     };
     this.socket.onmessage = (event) => {
-      if (typeof event.data === "string") { const m = JSON.parse(event.data); this.tell(m.op, m); return; }
-      this.asked = null;
-      this.tell("frame", event.data);
+      if (typeof event.data === "string") { const m = JSON.parse(event.data); this.emit(m.op, m); return; }
+      this.requested = null;
+      this.emit("frame", event.data);
     };
   }
 
-  tell(name, detail) { this.dispatchEvent(new CustomEvent(name, { detail })); }
+  emit(name, detail) { this.dispatchEvent(new CustomEvent(name, { detail })); }
   get open() { return this.socket.readyState === WebSocket.OPEN; }
-  get busy() { return this.asked !== null || !this.open; }
-  ask(n, parts) {
+  get busy() { return this.requested !== null || !this.open; }
+  request(n, parts) {
     if (this.busy) return false;
-    this.asked = n;
+    this.requested = n;
     this.socket.send(JSON.stringify({ op: "frame", n, parts }));
     return true;
   }

@@ -61,16 +61,16 @@ function take({ first, records: added }) {
 }
 
 // Requests go out one at a time: a page that is slow skips frames.
-function askForPicture() {
+function requestPicture() {
   if (view.at < 0 || link.busy || view.shown === key()) return;
-  if (link.ask(view.at, parts.features | parts.left | (picture.show.right ? parts.right : 0) | (picture.show.disparity ? parts.disparity : 0))) asked = key();
+  if (link.request(view.at, parts.features | parts.left | (picture.show.right ? parts.right : 0) | (picture.show.disparity ? parts.disparity : 0))) requested = key();
 }
 const key = () => `${view.at}/${picture.show.right}/${picture.show.disparity}`;
-let asked = "";
+let requested = "";
 
 async function takeFrame(buffer) {
   ++view.received;
-  const mine = asked;
+  const mine = requested;
   const frame = unpack(buffer);
   if (!frame) return;
   const decoded = await decode(frame);
@@ -101,7 +101,7 @@ function showFrame() {
   $("place").textContent = `${r.p[0].toFixed(2)} m forward, ${(-r.p[1]).toFixed(2)} m right, ${r.p[2].toFixed(2)} m up${off}`;
   $("play").textContent = view.playing ? "❚❚" : "▶";
   $("next-failed").disabled = records.failed.length === 0;
-  askForPicture();
+  requestPicture();
 }
 
 // Where on the ribbon: of a recording all frames there will be, live what is kept.
@@ -163,7 +163,7 @@ function advance(now) {
 function tick(now) {
   advance(now);
   refresh(now);
-  askForPicture();
+  requestPicture();
   requestAnimationFrame(tick);
 }
 requestAnimationFrame(tick);
@@ -182,7 +182,7 @@ function nextFailed() { const n = records.failed.find((k) => k > view.at) ?? rec
 for (const [id, action] of [["first", () => seek(records.first)], ["back", () => step(-1)], ["play", play], ["forth", () => step(1)], ["last", toEnd], ["next-failed", nextFailed]]) $(id).onclick = action;
 $("speed").onchange = () => { view.speed = Number($("speed").value); clock = null; };
 for (const name of ["features", "disparity", "right", "mask"]) {
-  $(`show-${name}`).onchange = (event) => { picture.show[name] = event.target.checked; picture.draw(); askForPicture(); };
+  $(`show-${name}`).onchange = (event) => { picture.show[name] = event.target.checked; picture.draw(); requestPicture(); };
 }
 $("show-points").onchange = (event) => { if (scene) { scene.points.object.visible = event.target.checked; scene.render(); } };
 $("follow-place").onchange = (event) => { if (scene) { scene.follow = event.target.checked; scene.render(); } };

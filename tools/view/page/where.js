@@ -213,7 +213,7 @@ export class ScenePanel {
     this.drawLabels();
   }
 
-  // Drawn larger where it could not be seen, and that is said.
+  // Drawn larger where it could not be seen, with a note.
   placeEllipsoid(r) {
     const sigma = sigmaOfPlace(r);
     this.ellipsoid.visible = sigma > 0;

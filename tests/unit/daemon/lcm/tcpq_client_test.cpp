@@ -15,7 +15,7 @@
 namespace cliquevo::daemon {
 namespace {
 
-// Accepts one client, says `greeting`, and keeps what it gets until the client hangs up.
+// Accepts one client, sends `greeting`, and keeps what it gets until the client hangs up.
 class Server {
  public:
   explicit Server(std::string greeting) {

@@ -11,7 +11,7 @@
 namespace cliquevo::daemon {
 namespace {
 
-// Frames told apart by their grey level, with uneven gaps.
+// Frames distinguished by their grey level, with uneven gaps.
 class Greys : public drivers::FrameSource {
  public:
   explicit Greys(int frames) : frames_(frames) {

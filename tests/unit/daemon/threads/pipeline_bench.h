@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A source and work for the pipeline that do nothing but what a test asks for.
+// A source and work for the pipeline that do nothing but what a test needs.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What goes wrong in a source, a stage or the output, and what the pipeline tells of itself.
+// What goes wrong in a source, a stage or the output, and the pipeline's own reports.
 #include <atomic>
 #include <memory>
 #include <new>

@@ -19,7 +19,7 @@ struct Tally {
   std::int64_t pairs = 0;
   std::int64_t false_pairs = 0;   // of different exposures
   std::int64_t disordered = 0;    // not behind the pair before
-  std::int64_t miscounted = 0;    // frames whose fate the counts do not tell
+  std::int64_t miscounted = 0;    // frames that are in none of the counts
   double most_apart_periods = 0;  // of the exposures of a pair
 };
 
