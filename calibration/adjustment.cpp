@@ -114,10 +114,9 @@ class Adjustment {
 
   Eigen::Vector2d error_of(const Adjusted& state, Side side, const SeenCorner& seen, const RigidTransform& T) const {
     const Eigen::Vector3d in_left = T * bent_corner(board_, seen.id, state.rig.bend_m).at;
-    const Projection p =
-        project_with_derivatives(*state.rig.model, state.rig.lens(side),
-                                 side == Side::right ? Eigen::Vector3d(state.rig.T_right_left * in_left) : in_left);
-    return p.seen ? Eigen::Vector2d(seen.px - p.px) : Eigen::Vector2d::Constant(kUnseen_px);
+    const auto px = project(*state.rig.model, state.rig.lens(side),
+                            side == Side::right ? Eigen::Vector3d(state.rig.T_right_left * in_left) : in_left);
+    return px ? Eigen::Vector2d(seen.px - *px) : Eigen::Vector2d::Constant(kUnseen_px);
   }
 
   // Robust scale of the errors; the bound of Huber's cost is a multiple of it, and the prior on the bend, which is in
@@ -284,10 +283,10 @@ std::vector<Eigen::Vector2d> residuals(const Board& board, const Rig& rig, const
   std::vector<Eigen::Vector2d> out;
   for (const SeenCorner& seen : view.of(side)) {
     const Eigen::Vector3d in_left = T_left_board * bent_corner(board, seen.id, rig.bend_m).at;
-    const Projection p = project_with_derivatives(
-        *rig.model, rig.lens(side), side == Side::right ? Eigen::Vector3d(rig.T_right_left * in_left) : in_left);
-    out.push_back(p.seen ? Eigen::Vector2d(seen.px - p.px)
-                         : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
+    const auto px = project(*rig.model, rig.lens(side),
+                            side == Side::right ? Eigen::Vector3d(rig.T_right_left * in_left) : in_left);
+    out.push_back(px ? Eigen::Vector2d(seen.px - *px)
+                     : Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN()));
   }
   return out;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +43,9 @@ struct Projection {
 
 // Of a point in the camera's frame (Z forward).
 Projection project_with_derivatives(const LensModel& model, const LensVector& lens, const Eigen::Vector3d& point);
+
+// The pixel alone; none where the model does not reach.
+std::optional<Eigen::Vector2d> project(const LensModel& model, const LensVector& lens, const Eigen::Vector3d& point);
 
 // Direction of a pixel by focal length and centre alone, without distortion; unit length.
 Eigen::Vector3d ideal_ray(const LensModel& model, const LensVector& lens, const Eigen::Vector2d& px);
