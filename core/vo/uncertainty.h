@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Step A7: how well the motion is known. One named term a line; the odometry publishes what this file says.
+// Step A7: how well the motion is known. One named term per line; what is computed here is published.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@ namespace cliquevo::vo {
 // Covariance of a judged motion [translation m, rotation vector rad], a left perturbation: the solution's own, times
 // what noise, overlapping patches, small coverage, uneven light and an unsettled calibration add to it.
 // `beside_key`: an older reference was in the solution. `scratch` is only working space.
-Matrix6d uncertainty(const Findings& findings, bool beside_key, const VoParams& params, const SelfCheck& check,
+Matrix6d uncertainty(const CheckInput& input, bool beside_key, const VoParams& params, const SelfCheck& check,
                      std::vector<float>& scratch);
 
 // Beside a kept reference the current frame may be better known than it was known where the previous one is: the
