@@ -18,7 +18,7 @@ inline constexpr const char* kCaught = "cannot go on";
 // Whether an error is an exception that nobody expected.
 inline bool is_caught(const Error& error) { return error.what == kCaught; }
 
-// What the exception being handled says; call it in a catch block. The texts of "out of memory" need none.
+// The exception being handled as an Error; call it in a catch block. The texts of "out of memory" need no memory.
 inline Error caught(const std::string& where) {
   try {
     throw;
@@ -41,13 +41,13 @@ auto guarded(const char* where, Work&& work) -> decltype(work()) {
   }
 }
 
-// body() until it returns; what it throws goes to tell(Error), and after a moment it is called again unless `stop` is
+// body() until it returns; what it throws goes to report(Error), and after a pause it is called again unless `stop` is
 // set meanwhile. For threads that must live.
-template <typename Body, typename Tell>
-void keep_going(const char* where, const std::atomic<bool>& stop, const Body& body, const Tell& tell) {
+template <typename Body, typename Report>
+void keep_going(const char* where, const std::atomic<bool>& stop, const Body& body, const Report& report) {
   const auto attempt = [&](const auto& work) { return guarded(where, [&] { return work(), Result<void>(); }); };
   for (Result<void> done = attempt(body); !done.ok() && !stop; done = attempt(body)) {
-    static_cast<void>(attempt([&] { tell(done.error()); }));
+    static_cast<void>(attempt([&] { report(done.error()); }));
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
 }

@@ -8,12 +8,12 @@ namespace cliquevo::vo {
 
 namespace {
 
-// Correlations: where patches hardly change and hardly differ, their ratio tells nothing.
+// Correlations: where patches hardly change and hardly differ, their ratio means nothing.
 constexpr double kLeastDifference = 0.01;
 constexpr double kStrictest = 0.5;        // share of the bound on disparities that remains with little coverage
-constexpr double kMostNews = 3.0;         // times that news about the disparities counts against running ground
+constexpr double kMostNews = 3.0;         // factor by which an unexpected error of the disparities counts
 constexpr double kOffsetNoise_px = 0.15;  // of one frame's reading of an error common to all disparities
-constexpr double kMostRunning_px = 2.0;   // a larger one is the calibration's own, and is learned
+constexpr double kMostRunning_px = 2.0;   // a larger one comes from the calibration, and is learned
 constexpr double kMoves = 6.0;            // a camera moves when its image does by so many expected errors, ...
 constexpr double kStands = 4.0;           // ... and stands beside it when its own moves so many times less
 constexpr double kRepeats = 100.0;        // ... and for certain where its image is the same to the last bit
@@ -36,7 +36,7 @@ double median_of_inliers(const std::vector<Observation>& observations, std::vect
 }
 
 // Ground that runs, seen near and far at once, does not fit one motion with the disparities as they are known: the
-// residuals ask for an error common to all of them, which should be known by now. 1 (no news) to 3.
+// residuals imply an error common to all of them, which should be known by now. 1 (nothing new) to 3.
 double news_of_disparities(const Motion& motion, double shift_sigma_px) {
   if (!(motion.offset_information > 0.0) || std::abs(motion.offset_px) > kMostRunning_px) return 1.0;
   const double variance =
@@ -46,20 +46,20 @@ double news_of_disparities(const Motion& motion, double shift_sigma_px) {
 
 }  // namespace
 
-Evidence check_inliers(const Findings& f, const VoParams& params) {
+Evidence check_inliers(const CheckInput& f, const VoParams& params) {
   return {static_cast<double>(params.min_inliers) / std::max(1, f.motion.inliers), 1.0, true};
 }
 
-Evidence check_spread(const Findings& f, const VoParams& params) {
+Evidence check_spread(const CheckInput& f, const VoParams& params) {
   const double ratio = f.motion.converged ? spread_ratio(f.observations) : 0.0;
   return {params.min_eigenvalue_ratio / std::max(ratio, 1e-9), 1.0, f.motion.inliers >= params.min_inliers};
 }
 
-Evidence check_positions(const Findings& f, const CameraNoise& noise, const VoParams& params) {
+Evidence check_positions(const CheckInput& f, const CameraNoise& noise, const VoParams& params) {
   return {f.motion.error_px / noise.expected_error_px(), params.max_error_ratio, true};
 }
 
-Evidence check_disparities(const Findings& f, const CameraNoise& noise, const VoParams& params) {
+Evidence check_disparities(const CheckInput& f, const CameraNoise& noise, const VoParams& params) {
   return {disparity_error_px(f) / noise.expected_error_px(), std::max(f.covered, kStrictest) * params.max_error_ratio,
           params.refine};
 }
@@ -68,7 +68,7 @@ Evidence check_contradiction(const CellVotes& votes, const Caution& caution, con
   return {votes.share(), caution.bound_scale() * params.max_contradiction, true};
 }
 
-Evidence check_running_ground(const Findings& f, const CameraNoise& noise, const Caution& caution,
+Evidence check_running_ground(const CheckInput& f, const CameraNoise& noise, const Caution& caution,
                               const VoParams& params, std::vector<float>& scratch) {
   const double change = median_of_inliers(f.observations, scratch, [](const Observation& o) { return o.change; });
   const double difference =
@@ -79,7 +79,7 @@ Evidence check_running_ground(const Findings& f, const CameraNoise& noise, const
           caution.bound_scale() * params.max_running_ground, true};
 }
 
-Evidence check_hanging_camera(const Findings& f, const CameraNoise& noise, std::vector<float>& scratch) {
+Evidence check_hanging_camera(const CheckInput& f, const CameraNoise& noise, std::vector<float>& scratch) {
   if (f.camera_repeats) return {kRepeats, kStands, true};
   const auto moved = [&](double share_of_disparity) {
     return median_of_inliers(f.observations, scratch, [&](const Observation& o) {
@@ -95,12 +95,12 @@ Evidence check_hanging_camera(const Findings& f, const CameraNoise& noise, std::
   return {more / less, kStands, more > kMoves * expected};
 }
 
-Evidence check_found_again(const Findings& f, const Caution& caution) {
+Evidence check_found_again(const CheckInput& f, const Caution& caution) {
   const double least = caution.any() ? kFoundAgain : kFound;
   return {least * f.reference_features / std::max(1, f.motion.inliers), 1.0, true};
 }
 
-Evidence check_uncertainty(const Findings& f, const Matrix6d& covariance, const VoParams& params) {
+Evidence check_uncertainty(const CheckInput& f, const Matrix6d& covariance, const VoParams& params) {
   double depth_m = 0.0;
   int n = 0;
   for (const Observation& o : f.observations) {
@@ -137,7 +137,7 @@ double spread_ratio(const std::vector<Observation>& observations) {
   return larger > 0.0 ? std::max(0.0, half_trace - root) / larger : 0.0;
 }
 
-double disparity_error_px(const Findings& f) {
+double disparity_error_px(const CheckInput& f) {
   const RigidTransform T_cur_prev = f.motion.T_prev_cur.inverse();
   double n = 0.0, sum = 0.0;
   for (const Observation& o : f.observations) {

@@ -18,7 +18,7 @@ constexpr double kLooser[] = {16.0, 4.0, 1.0};  // times the sigmas of matches, 
 constexpr int kAttempts = 3;                    // to find more features from where those found so far put them
 constexpr std::size_t kPilots = 80;             // features that show where to look for the others
 constexpr int kLeastPilots = 30;
-constexpr double kEnough = 1.15;       // of max_features: so many observations of two references tell what more would
+constexpr double kEnough = 1.15;       // of max_features: more observations of two references add nothing
 constexpr double kFullCoverage = 0.5;  // of the picture's cells: inliers from so many are inliers from everywhere
 constexpr std::size_t kMostOthers = 8;
 constexpr double kMostTurn = 0.001;       // rad during a rolling shutter's readout, by vibration
@@ -45,7 +45,7 @@ Estimator::Estimator(const StereoModel& model, const VoParams& params)
       clique_finder_(model, params),
       solver_(model, params),
       tracker_(model, params),
-      support_(model),
+      consistency_(model),
       other_finder_(params),
       others_(kMostOthers, static_cast<std::size_t>(params.max_features)) {
   const std::size_t n = static_cast<std::size_t>(params.max_features);
@@ -97,7 +97,7 @@ void Estimator::first_motion(const FramePair& pair, const Start& start, Comparis
   }
   times.motion_ns += monotonic_ns() - start_ns;
   out.started = found;
-  if (!found) out.checks[Check::inliers] = check_inliers(findings(pair, {}), params_);
+  if (!found) out.checks[Check::inliers] = check_inliers(check_input(pair, {}), params_);
 }
 
 void Estimator::match(const FramePair& pair, const Start& start, Comparison& out, StepTimes& times) {
@@ -182,13 +182,13 @@ Sigmas Estimator::match_sigmas(double looser) const {
 
 Sigmas Estimator::refined_sigmas() const { return {params_.sigma_px, params_.disparity_sigma_px, shift_sigma_px_}; }
 
-// A5 from a first motion on, and what of A6 can be said of the solution alone; again for as long as what was found is
-// not enough but finds more. True when nothing speaks against it.
+// A5 from a first motion on, and those checks of A6 that need the solution alone; again for as long as what was found
+// is not enough but finds more. True when nothing speaks against it.
 bool Estimator::settle(const FramePair& pair, PatchSize patches, Comparison& out) {
   for (int attempt = 0, inliers = 0; attempt < kAttempts; ++attempt) {
     if (params_.refine) refine(pair, patches, out);
     covered_ = 1.0;
-    const Findings found = findings(pair, out);
+    const CheckInput found = check_input(pair, out);
     out.checks = {};
     out.checks[Check::inliers] = check_inliers(found, params_);
     out.checks[Check::spread] = check_spread(found, params_);
@@ -223,7 +223,7 @@ void Estimator::refine(const FramePair& pair, PatchSize patches, Comparison& out
   FeatureRange others{kPilots};
   const bool beside_key = pair.key != nullptr && pair.key != &pair.reference;
   if (beside_key) {
-    // The key frame's tell more; the previous frame's make up the number.
+    // The key frame's are worth more; the previous frame's make up the number.
     const RigidTransform T_ref_key = pair.reference.T_world_camera.inverse() * pair.key->T_world_camera;
     references_.push_back(T_ref_key);
     ViewErrors of_key_frame = errors(pair, out);
@@ -275,7 +275,7 @@ ViewErrors Estimator::errors(const FramePair& pair, const Comparison& out) const
   return errors;
 }
 
-Findings Estimator::findings(const FramePair& pair, const Comparison& out) const {
+CheckInput Estimator::check_input(const FramePair& pair, const Comparison& out) const {
   return {out.motion,
           observations_,
           references_,
@@ -287,9 +287,9 @@ Findings Estimator::findings(const FramePair& pair, const Comparison& out) const
           !pair.reference.velocity_before.isZero()};
 }
 
-// A6, the rest: what the picture as a whole says of a motion on which the inliers agree, and how well it is known.
+// A6, the rest: whether the image as a whole agrees with the motion of the inliers, and how well it is known.
 void Estimator::judge(const FramePair& pair, Comparison& out) {
-  const Findings before = findings(pair, out);
+  const CheckInput before = check_input(pair, out);
   if (params_.refine) {
     out.checks[Check::hanging_camera] = check_hanging_camera(before, pair.noise, scratch_);
     const auto check_ground = [&] {
@@ -300,18 +300,19 @@ void Estimator::judge(const FramePair& pair, Comparison& out) {
       excuse_blur(pair);
       check_ground();
     }
-    const auto count = [&](Support::Contradicts which) {
-      const CellVotes votes = support_.count(pair.reference, pair.current, pair.disparity, out.motion.T_prev_cur,
-                                             errors(pair, out), observations_, which);
+    const auto count = [&](ImageConsistency::Contradicts which) {
+      const CellVotes votes = consistency_.count(pair.reference, pair.current, pair.disparity, out.motion.T_prev_cur,
+                                                 errors(pair, out), observations_, which);
       out.checks[Check::contradiction] = check_contradiction(votes, pair.caution, params_);
       return votes.coverage();
     };
     // Whether patches are unique takes a while to find out, and matters where many contradict.
-    double coverage = count(Support::Contradicts::any);
-    if (out.checks[Check::contradiction].ratio() > kManyContradict) coverage = count(Support::Contradicts::unique);
+    double coverage = count(ImageConsistency::Contradicts::any);
+    if (out.checks[Check::contradiction].ratio() > kManyContradict)
+      coverage = count(ImageConsistency::Contradicts::unique);
     covered_ = std::min(1.0, coverage / kFullCoverage);
   }
-  const Findings found = findings(pair, out);
+  const CheckInput found = check_input(pair, out);
   out.checks[Check::disparities] = check_disparities(found, pair.noise, params_);
   const Matrix6d covariance = uncertainty(found, references_.size() > 1, params_, pair.check, scratch_);
   out.checks[Check::uncertainty] = check_uncertainty(found, covariance, params_);

@@ -9,12 +9,12 @@
 #include "core/vo/checks.h"
 #include "core/vo/clique.h"
 #include "core/vo/frame.h"
+#include "core/vo/image_consistency.h"
 #include "core/vo/matches.h"
 #include "core/vo/motion.h"
 #include "core/vo/noise.h"
 #include "core/vo/other_motions.h"
 #include "core/vo/step_times.h"
-#include "core/vo/support.h"
 #include "core/vo/tracking.h"
 #include "core/vo/verdict.h"
 
@@ -29,7 +29,7 @@ struct Comparison {
   int matches = 0;
   int clique = 0;
   double eigenvalue_ratio = 0.0;                        // spread of the inliers in the image
-  Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();  // rolling shutters: beside what the motions say, rad/s
+  Eigen::Vector3d turn_rate = Eigen::Vector3d::Zero();  // rolling shutters: beyond that of the motions, rad/s
   double key_overlap = 1.0;                             // share of the key frame's features that were found again
 };
 
@@ -59,7 +59,9 @@ class Estimator {
   const std::vector<Observation>& observations() const { return observations_; }
 
   // Once for a new frame, after its features: what else of it may be compared.
-  void prepare(ImageView<const std::int16_t> disparity, Frame& frame) { support_.choose_witnesses(disparity, frame); }
+  void prepare(ImageView<const std::int16_t> disparity, Frame& frame) {
+    consistency_.choose_test_patches(disparity, frame);
+  }
 
  private:
   // From where a motion is looked for, in this order (core/vo/estimator.cpp).
@@ -80,7 +82,7 @@ class Estimator {
   void excuse_blur(const FramePair& pair);
   Evidence check_rival(int explained) const;
   ViewErrors errors(const FramePair& pair, const Comparison& out) const;
-  Findings findings(const FramePair& pair, const Comparison& out) const;
+  CheckInput check_input(const FramePair& pair, const Comparison& out) const;
   void observe(const FramePair& pair, const std::vector<int>& members);
   Sigmas match_sigmas(double looser) const;
   Sigmas refined_sigmas() const;
@@ -91,7 +93,7 @@ class Estimator {
   CliqueFinder clique_finder_;
   MotionSolver solver_;
   Tracker tracker_;
-  Support support_;
+  ImageConsistency consistency_;
   OtherMotionFinder other_finder_;
   OtherMotions others_;
   std::vector<Match> matches_;

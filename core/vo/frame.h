@@ -35,7 +35,7 @@ struct Frame {
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
   std::vector<Feature> features;
-  std::vector<Feature> witnesses;  // of the cells without a feature (core/vo/support.h); no points, no descriptors
+  std::vector<Feature> test_patches;  // of the cells without a feature (image_consistency.h); no points, no descriptors
   Descriptors descriptors;
   Descriptors coarse_descriptors;  // of half the resolution, for blurred and small pictures
 };

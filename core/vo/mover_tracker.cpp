@@ -10,14 +10,14 @@ namespace cliquevo::vo {
 namespace {
 
 constexpr std::size_t kTracks = 16;
-constexpr int kToldFrom = 3;                     // frames; chance cliques are not found that often
-constexpr std::int64_t kForgetNs = 500'000'000;  // a thing not found for longer is another one
-constexpr double kSharedFeatures = 0.25;         // of the smaller set: the same thing
+constexpr int kPublishedFrom = 3;                // frames; chance cliques are not found that often
+constexpr std::int64_t kForgetNs = 500'000'000;  // an object not found for longer gets a new number
+constexpr double kSharedFeatures = 0.25;         // of the smaller set: the same object
 constexpr double kStill_px = 1.0;                // change of u, v and disparity: stands still in the view ...
 constexpr double kWorldMoved_px = 3.0;           // ... while the world would have moved by so much there (RMS)
 constexpr double kSamePlace_px = 1.5;            // from one of the first places, in u, v and disparity
 constexpr double kMostPoints = 0.6;              // of which these hold
-constexpr int kErrCosts = 5;                     // frames, of one that says otherwise
+constexpr int kErrCosts = 5;                     // frames, for one that contradicts
 constexpr int kVehicleFrom = 30;                 // frames: no other vehicle keeps its place to a pixel for so long
 
 int common(const std::vector<int>& a, const std::vector<int>& b) {
@@ -70,11 +70,11 @@ MoverTracker::MoverTracker(const StereoModel& model, const VoParams& params) : m
   };
   reserve(seen_);
   for (Track& t : tracks_) reserve(t);
-  told_.reserve(kTracks);
+  published_.reserve(kTracks);
 }
 
-void MoverTracker::see(const OtherMotion& other, const Frame& reference, const Frame& current,
-                       const RigidTransform& T_ref_cur) {
+void MoverTracker::measure(const OtherMotion& other, const Frame& reference, const Frame& current,
+                           const RigidTransform& T_ref_cur) {
   Track& s = seen_;
   Mover& m = s.mover;
   s.reference_ns = reference.stamp_ns;
@@ -147,7 +147,7 @@ MoverTracker::Track& MoverTracker::known_or_new() {
   return *best;
 }
 
-void MoverTracker::notice(const OtherMotion& other, const RigidTransform& T_ref_cur, Track& track) {
+void MoverTracker::detect_vehicle_part(const OtherMotion& other, const RigidTransform& T_ref_cur, Track& track) {
   double world = 0.0;
   int unmoved = 0, kept = 0;
   for (const Observation& o : other.observations) {
@@ -159,9 +159,9 @@ void MoverTracker::notice(const OtherMotion& other, const RigidTransform& T_ref_
     kept += near_any(track.anchor, o.uvd_cur) ? 1 : 0;
   }
   const double n = static_cast<double>(other.observations.size());
-  if (!(world > n * kWorldMoved_px * kWorldMoved_px)) return;  // nothing to be told apart by
+  if (!(world > n * kWorldMoved_px * kWorldMoved_px)) return;  // the world did not move enough to tell them apart
   const bool still = unmoved >= kMostPoints * n;
-  if (track.still > 0 && (!still || kept < kMostPoints * n)) {  // one frame may err
+  if (track.still > 0 && (!still || kept < kMostPoints * n)) {  // one frame may be wrong
     track.still = std::max(0, track.still - kErrCosts);
     track.mover.of_vehicle = track.still >= kVehicleFrom;
     return;
@@ -187,18 +187,18 @@ void MoverTracker::notice(const OtherMotion& other, const RigidTransform& T_ref_
   ++v.frames;
 }
 
-void MoverTracker::tell(const Frame& reference) {
-  told_.clear();
+void MoverTracker::publish(const Frame& reference) {
+  published_.clear();
   for (const Track& t : tracks_) {
-    if (t.alive && t.found && t.mover.frames >= kToldFrom) told_.push_back(&t);
+    if (t.alive && t.found && t.mover.frames >= kPublishedFrom) published_.push_back(&t);
   }
-  std::sort(told_.begin(), told_.end(), [](const Track* a, const Track* b) {
+  std::sort(published_.begin(), published_.end(), [](const Track* a, const Track* b) {
     return a->mover.frames != b->mover.frames ? a->mover.frames > b->mover.frames : a->mover.id < b->mover.id;
   });
   movers_.prev_stamp_ns = reference.stamp_ns;
-  movers_.count = std::min(static_cast<int>(told_.size()), kMostMovers);
+  movers_.count = std::min(static_cast<int>(published_.size()), kMostMovers);
   for (int i = 0; i < movers_.count; ++i) {
-    movers_.mover[static_cast<std::size_t>(i)] = told_[static_cast<std::size_t>(i)]->mover;
+    movers_.mover[static_cast<std::size_t>(i)] = published_[static_cast<std::size_t>(i)]->mover;
   }
 }
 
@@ -206,7 +206,7 @@ void MoverTracker::update(const Frame& reference, const Frame& current, const Ot
                           const RigidTransform& T_ref_cur, bool valid) {
   skip(current);
   for (std::size_t i = 0; i < others.size(); ++i) {
-    see(others[i], reference, current, T_ref_cur);
+    measure(others[i], reference, current, T_ref_cur);
     Track& track = known_or_new();
     track.found = true;
     const int id = track.mover.id, frames = track.mover.frames;
@@ -222,9 +222,9 @@ void MoverTracker::update(const Frame& reference, const Frame& current, const Ot
     track.centre_world = seen_.centre_world;
     track.velocity_world = seen_.velocity_world;
     track.radius_m = seen_.radius_m;
-    notice(others[i], T_ref_cur, track);
+    detect_vehicle_part(others[i], T_ref_cur, track);
   }
-  if (valid) tell(reference);
+  if (valid) publish(reference);
 }
 
 void MoverTracker::skip(const Frame& current) {

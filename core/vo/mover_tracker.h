@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Tells the rigid things of one frame as those of the frames before.
+// Recognises the moving rigid objects of one frame as those of the frames before.
 #pragma once
 
 #include <vector>
@@ -18,8 +18,8 @@ class MoverTracker {
  public:
   MoverTracker(const StereoModel& model, const VoParams& params);
 
-  // `others`: found between the two frames beside the camera's own motion T_ref_cur. Things are told where that one is
-  // `valid`, from the third frame on in which they are found; parts of the vehicle are noticed in any case.
+  // `others`: found between the two frames beside the camera's own motion T_ref_cur. Objects are published where that
+  // is `valid`, from the third frame on in which they are found; parts of the vehicle are detected in any case.
   void update(const Frame& reference, const Frame& current, const OtherMotions& others, const RigidTransform& T_ref_cur,
               bool valid);
   // A frame without any motion.
@@ -29,7 +29,7 @@ class MoverTracker {
   const VehiclePart& vehicle_part() const { return vehicle_part_; }
 
  private:
-  // A thing, when it was last found.
+  // An object, when it was last found.
   struct Track {
     bool alive = false;
     bool found = false;  // in this frame
@@ -44,15 +44,15 @@ class MoverTracker {
     int still = 0;                        // frames in which it stood still in the view though the world moved ...
     std::vector<Eigen::Vector3d> anchor;  // ... since its points were at these (u, v, disparity)
   };
-  void see(const OtherMotion& other, const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur);
+  void measure(const OtherMotion& other, const Frame& reference, const Frame& current, const RigidTransform& T_ref_cur);
   Track& known_or_new();
-  void notice(const OtherMotion& other, const RigidTransform& T_ref_cur, Track& track);
-  void tell(const Frame& reference);
+  void detect_vehicle_part(const OtherMotion& other, const RigidTransform& T_ref_cur, Track& track);
+  void publish(const Frame& reference);
 
   StereoModel model_;
-  Track seen_;  // the thing being looked at, before it is known which one it is
+  Track seen_;  // the object being measured, before it is known which one it is
   std::vector<Track> tracks_;
-  std::vector<const Track*> told_;
+  std::vector<const Track*> published_;
   int last_id_ = 0;
   Movers movers_;
   VehiclePart vehicle_part_;

@@ -65,7 +65,7 @@ bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int rad
 }
 
 PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> image, float x, float y, const Warp& warp,
-                   Freedom freedom, const PatchParams& params) {
+                   SearchAxes axes, const PatchParams& params) {
   PatchFit fit;
   const Kernels& k = kernels();
   const int r = reference.radius;
@@ -84,7 +84,7 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     // Least squares for W + Gx sx + Gy sy = gain T + bias, where G is the mean gradient of T and W (the second-order
     // step) and T is without its mean.
     PatchSums s{};
-    const auto sums = freedom == Freedom::both ? k.patch_sums : k.patch_sums_across;
+    const auto sums = axes == SearchAxes::both ? k.patch_sums : k.patch_sums_across;
     sums(grid, image.data, image.stride, place, reference.inner, s);
     // Take out the bias (means), then the gain.
     const float ww = s.ww - s.w * s.w * per_n;
@@ -99,7 +99,7 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     const float sse = ww - s.tw * gain;
     float sx = 0.0F;
     float sy = 0.0F;
-    if (freedom == Freedom::row_only) {
+    if (axes == SearchAxes::row_only) {
       if (!(gxx > kMinGradient * n)) return fit;
       sx = -gxw / gxx;
     } else {
@@ -116,7 +116,7 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     sy *= kStepLength;
     x += warp.xx * sx + warp.xy * sy;
     y += warp.yx * sx + warp.yy * sy;
-    if (freedom == Freedom::row_only) y = start_y;
+    if (axes == SearchAxes::row_only) y = start_y;
     const float shift2 = (x - start_x) * (x - start_x) + (y - start_y) * (y - start_y);
     if (!(shift2 <= max_shift2)) return fit;
     fit.residual = std::sqrt(std::max(0.0F, sse) * per_n);

@@ -26,7 +26,7 @@ struct PatchParams {
   double max_shift_px = 4.0;  // from the start; farther is lost
 };
 
-enum class Freedom { row_only, both };
+enum class SearchAxes { row_only, both };
 
 struct PatchFit {
   bool ok = false;
@@ -47,8 +47,8 @@ struct Template {
 bool cut_template(ImageView<const std::uint8_t> image, float x, float y, int radius, Template& out);
 
 // Finds the template in `image` near (x, y). Fails (ok = false) when it leaves the image, does not converge, drifts too
-// far, has no texture in the direction asked for, or fits badly.
+// far, has no texture along the axes searched, or fits badly.
 PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> image, float x, float y, const Warp& warp,
-                   Freedom freedom, const PatchParams& params);
+                   SearchAxes axes, const PatchParams& params);
 
 }  // namespace cliquevo::vo

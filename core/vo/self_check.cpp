@@ -17,12 +17,13 @@ constexpr double kVerticalRobust = 0.4;  // px, a feature farther off counts eve
 constexpr double kSeenShare = 0.25;      // of the mean: parts of the image with fewer features are not judged
 constexpr double kForget = 1.0 / 300.0;  // share of the old knowledge that a frame displaces
 constexpr double kOffsetPrior = 0.5;     // px
-// Consecutive frames see the same features with the same errors: a frame tells less than its noise alone would allow.
+// Consecutive frames see the same features with the same errors: a frame is worth less than its noise alone would
+// allow.
 constexpr double kOffsetDeflation = 4.0;
 constexpr double kOffsetFrameSigma = 0.1;  // px, error of one frame's figure that its noise does not show
 constexpr double kOffsetWander = 0.002;    // px a frame: calibrations drift with temperature
 constexpr double kRecent = 0.2;            // share of a frame in the running mean of the innovations ...
-constexpr double kTellingVariance = 0.05;  // px^2, (less of one that tells little) ...
+constexpr double kTrustedVariance = 0.05;  // px^2, (less of one with a larger variance) ...
 constexpr double kMostRecent = 5.0;        // px, ... to which it adds no more than this ...
 constexpr double kSurprise = 2.0;          // ... and whose square, in variances, is a surprise
 // While the figure still moves against its running mean, by more than the latter, less is known than it seems.
@@ -30,10 +31,10 @@ constexpr double kSettle = 0.05;   // share of a frame in the running mean
 constexpr double kSettled = 0.15;  // px
 constexpr double kFarOff = 2.0;    // px, of rows at the border: half of the variance is then not the noise's
 constexpr double kOffsetMostInnovation = 0.5;  // px, of one frame
-// What stays uncertain however long one looks: interpolation, lenses, the model itself.
+// What stays uncertain after any number of frames: interpolation, lenses, the model itself.
 constexpr double kVerticalFloor = 0.02;  // px
 constexpr double kOffsetFloor = 0.03;    // px
-// An error larger than both is worth a word.
+// An error larger than both is reported.
 constexpr double kNoticeableSigmas = 4.0;
 constexpr double kNoticeableOffset = 0.25;   // px
 constexpr double kNoticeableVertical = 0.5;  // px
@@ -59,13 +60,13 @@ std::string describe(const CalibrationCheck& c) {
                   c.disparity_offset_px, c.disparity_offset_sigma_px, c.vertical_most_px);
     return text;
   }
-  std::snprintf(text, sizeof text,
-                "the calibration is off: disparities are %.2f +- %.2f px too %s and rows differ by up to %.2f px%s; as "
-                "far as it is a turn of the right camera, %.3f %.3f %.3f degrees about x y z mend it; calibrate again",
-                std::abs(c.disparity_offset_px), c.disparity_offset_sigma_px,
-                c.disparity_offset_px > 0.0 ? "large" : "small", c.vertical_most_px,
-                c.compensated ? " (the odometry corrects for it)" : "", -c.rotation_deg.x(), -c.rotation_deg.y(),
-                -c.rotation_deg.z());
+  std::snprintf(
+      text, sizeof text,
+      "the calibration is off: disparities are %.2f +- %.2f px too %s and rows differ by up to %.2f px%s; if it "
+      "is a rotation of the right camera, rotating it by %.3f %.3f %.3f deg about x y z corrects it; calibrate again",
+      std::abs(c.disparity_offset_px), c.disparity_offset_sigma_px, c.disparity_offset_px > 0.0 ? "large" : "small",
+      c.vertical_most_px, c.compensated ? " (the odometry corrects for it)" : "", -c.rotation_deg.x(),
+      -c.rotation_deg.y(), -c.rotation_deg.z());
   return text;
 }
 
@@ -132,7 +133,7 @@ void SelfCheck::add_offset(double residual_px, double information) {
   offset_variance_ += kOffsetWander * kOffsetWander;
   const double variance = kOffsetDeflation / information + kOffsetFrameSigma * kOffsetFrameSigma;
   const double innovation = compensate_ ? residual_px : residual_px - offset_px_;
-  const double share = kRecent * std::min(1.0, kTellingVariance / variance);
+  const double share = kRecent * std::min(1.0, kTrustedVariance / variance);
   recent_px_ += share * (std::clamp(innovation, -kMostRecent, kMostRecent) - recent_px_);
   // Far off what was thought possible, again and again: then less was known than thought.
   if (recent_px_ * recent_px_ > kSurprise * (offset_variance_ + variance)) offset_variance_ += recent_px_ * recent_px_;

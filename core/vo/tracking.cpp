@@ -22,7 +22,7 @@ float even_place(double shift) {
 }
 
 constexpr std::size_t kVerticalStep = 4;    // every so many features are measured for rows
-constexpr std::size_t kLeastRows = 8;       // of them tell a frame's own error and noise
+constexpr std::size_t kLeastRows = 8;       // of them suffice for a frame's own error and noise
 constexpr double kMedianOfNormal = 1.4826;  // standard deviation over median absolute deviation
 // Patches are the same where they differ by no more than twice the noise, or share so much of their contrast.
 constexpr double kNoiseGate = 2.0;
@@ -145,7 +145,7 @@ void Tracker::measure_views(ImageView<const std::int16_t> disparity, SelfCheck& 
     const float y = static_cast<float>(f.y) + static_cast<float>(even_place(down));
     if (!cut_template(frame.left.cview(), x, y, patch.radius, t)) continue;
     const PatchFit fit = fit_patch(t, frame.right.cview(), static_cast<float>(f.x - f.disparity_px),
-                                   y + static_cast<float>(down), slanted(f), Freedom::both, patch);
+                                   y + static_cast<float>(down), slanted(f), SearchAxes::both, patch);
     if (!fit.ok) continue;
     const double lower = static_cast<double>(fit.y) - static_cast<double>(y);
     check.add_vertical(f.x, f.y, lower);
@@ -170,7 +170,7 @@ void Tracker::refine_disparities(const ViewErrors& errors, Frame& frame) const {
     if (!cut_template(frame.left.cview(), static_cast<float>(f.x), static_cast<float>(f.y), patch.radius, t)) continue;
     const PatchFit fit =
         fit_patch(t, frame.right.cview(), static_cast<float>(f.x - f.disparity_px),
-                  static_cast<float>(f.y + errors.rows_px(f.x, f.y)), slanted(f), Freedom::row_only, patch);
+                  static_cast<float>(f.y + errors.rows_px(f.x, f.y)), slanted(f), SearchAxes::row_only, patch);
     if (fit.ok) f.raw_disparity_px = f.x - static_cast<double>(fit.x);
   }
   compensate(errors.check, frame);
@@ -219,7 +219,7 @@ bool Tracker::find(const Frame& reference, const Frame& current, const Feature& 
     return false;
   }
   const PatchFit fit = fit_patch(t, current.left.cview(), static_cast<float>(expected.u),
-                                 static_cast<float>(expected.v), expected.warp, Freedom::both, patch);
+                                 static_cast<float>(expected.v), expected.warp, SearchAxes::both, patch);
   if (!fit.ok) return false;
   if (!cut_template(current.left.cview(), fit.x, fit.y, patch.radius, t)) return false;
   PatchParams stereo_patch = patch;
@@ -228,7 +228,7 @@ bool Tracker::find(const Frame& reference, const Frame& current, const Feature& 
   const float row = fit.y + static_cast<float>(errors.rows_px(fit.x, fit.y));
   const PatchFit stereo =
       fit_patch(t, current.right.cview(), fit.x - static_cast<float>(expected.disparity_px + error_d), row,
-                expected.to_right, Freedom::row_only, stereo_patch);
+                expected.to_right, SearchAxes::row_only, stereo_patch);
   if (!stereo.ok) return false;
   // The frame's own common error stays in: the motion is solved for together with it.
   const double d = static_cast<double>(fit.x) - static_cast<double>(stereo.x) - (error_d - errors.shift_px);

@@ -35,25 +35,25 @@ constexpr double kRollingFactor = 3.0;
 constexpr double kUnknownSpeedFactor = 3.0;
 constexpr double kHalfKnown = 1.0;  // ratio of the check on uncertainty at which the quality is 50
 
-double noise_factor(const Findings& f, bool beside_key, const VoParams& params) {
+double noise_factor(const CheckInput& f, bool beside_key, const VoParams& params) {
   const double residual = f.motion.error_px / params.sigma_px;  // two of the three components: disparity is loose
   return (beside_key ? kVarianceFactorOfTwo : kVarianceFactor) * std::max(kLeastVariance, 0.5 * residual * residual);
 }
 
-double overlap_factor(const Findings& f, const VoParams& params) {
+double overlap_factor(const CheckInput& f, const VoParams& params) {
   const double side_px = 2.0 * params.refine_radius_px + 3.0;
   const double picture = static_cast<double>(f.model.width) * f.model.height;
   return 1.0 + kOverlapVariance * f.motion.inliers * side_px * side_px / picture;
 }
 
-double coverage_factor(const Findings& f) {
+double coverage_factor(const CheckInput& f) {
   const double covered = std::max(f.covered, kLeastCovered);
   return 1.0 / (covered * covered);
 }
 
 // Errors that a part of the picture shares (rows that bend, surfaces) do not average out as noise does: by how much the
 // means of the inliers' errors over parts of the picture scatter more than the errors themselves let expect.
-double coherence_factor(const Findings& f) {
+double coherence_factor(const CheckInput& f) {
   struct Part {
     double u = 0.0, v = 0.0;
     int n = 0;
@@ -91,14 +91,14 @@ double coherence_factor(const Findings& f) {
   return std::max(1.0, of_means / filled / (squared / inliers));
 }
 
-double light_factor(const Findings& f, std::vector<float>& scratch) {
+double light_factor(const CheckInput& f, std::vector<float>& scratch) {
   const double light = change_of_light(f.observations, scratch) / kEvenLight;
   return 1.0 + light * light;
 }
 
 }  // namespace
 
-Matrix6d uncertainty(const Findings& f, bool beside_key, const VoParams& params, const SelfCheck& check,
+Matrix6d uncertainty(const CheckInput& f, bool beside_key, const VoParams& params, const SelfCheck& check,
                      std::vector<float>& scratch) {
   Matrix6d covariance = f.motion.covariance;
   if (!params.refine) return covariance;
@@ -113,7 +113,9 @@ Matrix6d uncertainty(const Findings& f, bool beside_key, const VoParams& params,
   return covariance;
 }
 
-double speed_factor(const Findings& f) { return f.model.readout_s > 0.0 && !f.speed_known ? kUnknownSpeedFactor : 1.0; }
+double speed_factor(const CheckInput& f) {
+  return f.model.readout_s > 0.0 && !f.speed_known ? kUnknownSpeedFactor : 1.0;
+}
 
 Matrix6d with_error_taken_back(const Matrix6d& covariance, const Matrix6d& before) {
   const double excess = 1.0 - (covariance.diagonal().array() / before.diagonal().array()).mean();

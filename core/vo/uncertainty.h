@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Step A7: how well the motion is known. One named term a line; the odometry publishes what this file says.
+// Step A7: how well the motion is known. One named term per line; what is computed here is published.
 #pragma once
 
 #include <vector>
@@ -12,13 +12,13 @@ namespace cliquevo::vo {
 // Covariance of a judged motion [translation m, rotation vector rad], a left perturbation: the solution's own, times
 // what noise, overlapping patches, small coverage, uneven light and an unsettled calibration add to it.
 // `beside_key`: an older reference was in the solution. `scratch` is only working space.
-Matrix6d uncertainty(const Findings& findings, bool beside_key, const VoParams& params, const SelfCheck& check,
+Matrix6d uncertainty(const CheckInput& input, bool beside_key, const VoParams& params, const SelfCheck& check,
                      std::vector<float>& scratch);
 
 // By which the covariance of a rolling shutter's motion is larger where no motion before its reference is known. Beside
 // the above, not in it: a first frame is no worse for it, only less certain, and refusing it leaves a longer gap to the
 // next one, which would be less certain still.
-double speed_factor(const Findings& findings);
+double speed_factor(const CheckInput& input);
 // Beside a kept reference the current frame may be better known than it was known where the previous one is: the
 // motion between them then takes back the previous frame's error, and its covariance has both. `before`: covariance of
 // the previous frame's motion, as a perturbation of this one's.

@@ -5,7 +5,6 @@
 #include "core/vo/kernels/byte_rows.h"
 #include "core/vo/kernels/graph_rows.h"
 #include "core/vo/kernels/motion_sums.h"
-#include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
 namespace {
@@ -42,8 +41,16 @@ struct Avx2Bytes {
 
 }  // namespace
 
-const Kernels kAvx2Kernels = {fast_row_of<Avx2Bytes>,    maxima_row_of<Avx2Bytes>,   sad_row_of<Avx2Bytes>,
-                              row_minimum_of<Avx2Bytes>, graph_row_of<VectorFloats>, patch_cut,
-                              patch_sums<true>,          patch_sums<false>,          motion_sums_of<VectorPack>};
+void use_avx2(Kernels& table) {
+  table.fast_row = fast_row_of<Avx2Bytes>;
+  table.maxima_row = maxima_row_of<Avx2Bytes>;
+  table.sad_row = sad_row_of<Avx2Bytes>;
+  table.row_minimum = row_minimum_of<Avx2Bytes>;
+  table.graph_row = graph_row_of<VectorFloats>;
+  table.patch_cut = patch_cut;
+  table.patch_sums = patch_sums<true>;
+  table.patch_sums_across = patch_sums<false>;
+  table.motion_sums = motion_sums_of<VectorPack>;
+}
 
 }  // namespace cliquevo::vo

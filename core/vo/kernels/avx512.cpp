@@ -6,7 +6,6 @@
 #include "core/vo/kernels/byte_rows.h"
 #include "core/vo/kernels/graph_rows.h"
 #include "core/vo/kernels/motion_sums.h"
-#include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
 namespace {
@@ -44,10 +43,16 @@ struct Avx512Bytes {
 
 }  // namespace
 
-const Kernels kAvx512Kernels = {fast_row_of<Avx512Bytes>,   maxima_row_of<Avx512Bytes>,
-                                sad_row_of<Avx512Bytes>,    row_minimum_of<Avx512Bytes>,
-                                graph_row_of<VectorFloats>, patch_cut,
-                                patch_sums<true>,           patch_sums<false>,
-                                motion_sums_of<VectorPack>};
+void use_avx512(Kernels& table) {
+  table.fast_row = fast_row_of<Avx512Bytes>;
+  table.maxima_row = maxima_row_of<Avx512Bytes>;
+  table.sad_row = sad_row_of<Avx512Bytes>;
+  table.row_minimum = row_minimum_of<Avx512Bytes>;
+  table.graph_row = graph_row_of<VectorFloats>;
+  table.patch_cut = patch_cut;
+  table.patch_sums = patch_sums<true>;
+  table.patch_sums_across = patch_sums<false>;
+  table.motion_sums = motion_sums_of<VectorPack>;
+}
 
 }  // namespace cliquevo::vo

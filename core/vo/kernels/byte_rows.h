@@ -5,7 +5,6 @@
 
 #include "core/vo/kernels/fast_circle.h"
 #include "core/vo/kernels/kernels.h"
-#include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
 namespace {

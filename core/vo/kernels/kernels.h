@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// The vectorised inner loops of the odometry: one table an instruction set, all bit-identical to the reference.
+// The vectorised inner loops of the odometry: a table of them, which each instruction set overrides by name; all are
+// bit-identical to the reference.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 
-#include "core/base/isa.h"
+#include "core/base/kernel_tables.h"
 
 namespace cliquevo::vo {
 
@@ -154,9 +155,18 @@ struct Kernels {
   void (*motion_sums)(const MotionTerms& terms, const MotionState& state, MotionSums& out);
 };
 
-// The table of the instruction set in force (core/base/isa.h).
+extern const Kernels kReferenceKernels;
+#if defined(__x86_64__)
+void use_sse4(Kernels& table);
+void use_avx2(Kernels& table);
+void use_avx512(Kernels& table);
+#elif defined(__aarch64__)
+void use_neon(Kernels& table);
+#endif
+
+// One table per instruction set of this build and machine.
+const KernelTables<Kernels>& kernel_tables();
+// The one in force (core/base/isa.h).
 const Kernels& kernels();
-// A given one's, for tests and benches; nullptr when this build or machine lacks it.
-const Kernels* kernels_for(Isa isa);
 
 }  // namespace cliquevo::vo

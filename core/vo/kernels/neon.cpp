@@ -5,7 +5,6 @@
 #include "core/vo/kernels/graph_rows.h"
 #include "core/vo/kernels/motion_sums.h"
 #include "core/vo/kernels/patch_sums.h"
-#include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
 namespace {
@@ -44,14 +43,16 @@ struct NeonBytes {
 
 }  // namespace
 
-const Kernels kNeonKernels = {fast_row_of<NeonBytes>,
-                              maxima_row_of<NeonBytes>,
-                              sad_row_of<NeonBytes>,
-                              row_minimum_of<NeonBytes>,
-                              graph_row_of<VectorFloats>,
-                              patch_cut_of<VectorFloats>,
-                              patch_sums_of<VectorFloats, true>,
-                              patch_sums_of<VectorFloats, false>,
-                              motion_sums_of<VectorPack>};
+void use_neon(Kernels& table) {
+  table.fast_row = fast_row_of<NeonBytes>;
+  table.maxima_row = maxima_row_of<NeonBytes>;
+  table.sad_row = sad_row_of<NeonBytes>;
+  table.row_minimum = row_minimum_of<NeonBytes>;
+  table.graph_row = graph_row_of<VectorFloats>;
+  table.patch_cut = patch_cut_of<VectorFloats>;
+  table.patch_sums = patch_sums_of<VectorFloats, true>;
+  table.patch_sums_across = patch_sums_of<VectorFloats, false>;
+  table.motion_sums = motion_sums_of<VectorPack>;
+}
 
 }  // namespace cliquevo::vo

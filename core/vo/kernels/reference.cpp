@@ -4,9 +4,9 @@
 
 #include "core/vo/kernels/fast_circle.h"
 #include "core/vo/kernels/graph_rows.h"
+#include "core/vo/kernels/kernels.h"
 #include "core/vo/kernels/motion_sums.h"
 #include "core/vo/kernels/patch_sums.h"
-#include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
 namespace {
@@ -55,14 +55,16 @@ int row_minimum(const std::uint16_t* scores, int count, int row, std::uint16_t* 
 
 }  // namespace
 
-const Kernels kReferenceKernels = {fast_row,
-                                   maxima_row,
-                                   sad_row,
-                                   row_minimum,
-                                   graph_row_of<PlainFloats>,
-                                   patch_cut_of<PlainFloats>,
-                                   patch_sums_of<PlainFloats, true>,
-                                   patch_sums_of<PlainFloats, false>,
-                                   motion_sums_of<PlainPack>};
+const Kernels kReferenceKernels = {
+    .fast_row = fast_row,
+    .maxima_row = maxima_row,
+    .sad_row = sad_row,
+    .row_minimum = row_minimum,
+    .graph_row = graph_row_of<PlainFloats>,
+    .patch_cut = patch_cut_of<PlainFloats>,
+    .patch_sums = patch_sums_of<PlainFloats, true>,
+    .patch_sums_across = patch_sums_of<PlainFloats, false>,
+    .motion_sums = motion_sums_of<PlainPack>,
+};
 
 }  // namespace cliquevo::vo

@@ -5,7 +5,6 @@
 #include "core/vo/kernels/graph_rows.h"
 #include "core/vo/kernels/motion_sums.h"
 #include "core/vo/kernels/patch_sums.h"
-#include "core/vo/kernels/tables.h"
 
 namespace cliquevo::vo {
 namespace {
@@ -41,14 +40,16 @@ struct Sse4Bytes {
 
 }  // namespace
 
-const Kernels kSse4Kernels = {fast_row_of<Sse4Bytes>,
-                              maxima_row_of<Sse4Bytes>,
-                              sad_row_of<Sse4Bytes>,
-                              row_minimum_of<Sse4Bytes>,
-                              graph_row_of<VectorFloats>,
-                              patch_cut_of<VectorFloats>,
-                              patch_sums_of<VectorFloats, true>,
-                              patch_sums_of<VectorFloats, false>,
-                              motion_sums_of<VectorPack>};
+void use_sse4(Kernels& table) {
+  table.fast_row = fast_row_of<Sse4Bytes>;
+  table.maxima_row = maxima_row_of<Sse4Bytes>;
+  table.sad_row = sad_row_of<Sse4Bytes>;
+  table.row_minimum = row_minimum_of<Sse4Bytes>;
+  table.graph_row = graph_row_of<VectorFloats>;
+  table.patch_cut = patch_cut_of<VectorFloats>;
+  table.patch_sums = patch_sums_of<VectorFloats, true>;
+  table.patch_sums_across = patch_sums_of<VectorFloats, false>;
+  table.motion_sums = motion_sums_of<VectorPack>;
+}
 
 }  // namespace cliquevo::vo

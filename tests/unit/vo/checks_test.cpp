@@ -28,7 +28,7 @@ struct Seen {
     motion.inliers = count;
     motion.error_px = 0.1;
   }
-  Findings findings() const { return {motion, observations, references, kModel, 100, 0.0, covered}; }
+  CheckInput input() const { return {motion, observations, references, kModel, 100, 0.0, covered}; }
 
   std::vector<RigidTransform> references;
   std::vector<Observation> observations;
@@ -52,10 +52,10 @@ CameraNoise rough(double scatter_px) {
 
 TEST(Checks, AnImageThatRepeatsItselfBitForBitFailsHoweverLittleMoved) {
   Seen seen;
-  Findings findings = seen.findings();
-  EXPECT_FALSE(check_hanging_camera(findings, seen.noise, seen.scratch).fails());
-  findings.camera_repeats = true;
-  EXPECT_TRUE(check_hanging_camera(findings, seen.noise, seen.scratch).fails());
+  CheckInput input = seen.input();
+  EXPECT_FALSE(check_hanging_camera(input, seen.noise, seen.scratch).fails());
+  input.camera_repeats = true;
+  EXPECT_TRUE(check_hanging_camera(input, seen.noise, seen.scratch).fails());
 }
 
 TEST(Uncertainty, OfARollingShutterIsLargerWhereTheSpeedBeforeIsNotKnown) {
@@ -63,9 +63,9 @@ TEST(Uncertainty, OfARollingShutterIsLargerWhereTheSpeedBeforeIsNotKnown) {
   StereoModel rolling = kModel;
   rolling.readout_s = 0.02;
   const auto factor = [&](const StereoModel& model, bool known) {
-    Findings findings{seen.motion, seen.observations, seen.references, model, 100};
-    findings.speed_known = known;
-    return speed_factor(findings);
+    CheckInput input{seen.motion, seen.observations, seen.references, model, 100};
+    input.speed_known = known;
+    return speed_factor(input);
   };
   EXPECT_GT(factor(rolling, false), 2.0);
   EXPECT_EQ(factor(rolling, true), 1.0);
@@ -74,23 +74,23 @@ TEST(Uncertainty, OfARollingShutterIsLargerWhereTheSpeedBeforeIsNotKnown) {
 
 TEST(Checks, TooFewInliersFail) {
   Seen seen;
-  EXPECT_FALSE(check_inliers(seen.findings(), seen.params).fails());
+  EXPECT_FALSE(check_inliers(seen.input(), seen.params).fails());
   seen.motion.inliers = seen.params.min_inliers - 1;
-  EXPECT_TRUE(check_inliers(seen.findings(), seen.params).fails());
+  EXPECT_TRUE(check_inliers(seen.input(), seen.params).fails());
 }
 
 TEST(Checks, InliersOnALineFail) {
   Seen seen;
-  EXPECT_FALSE(check_spread(seen.findings(), seen.params).fails());
+  EXPECT_FALSE(check_spread(seen.input(), seen.params).fails());
   for (Observation& o : seen.observations) o.uvd_cur.y() = 100.0;
-  EXPECT_TRUE(check_spread(seen.findings(), seen.params).fails());
+  EXPECT_TRUE(check_spread(seen.input(), seen.params).fails());
 }
 
 TEST(Checks, TheSameScatterFailsForACleanCameraAndNotForARoughOne) {
   Seen seen;
   seen.motion.error_px = 1.5;
-  EXPECT_TRUE(check_positions(seen.findings(), rough(0.05), seen.params).fails());
-  EXPECT_FALSE(check_positions(seen.findings(), rough(0.3), seen.params).fails());
+  EXPECT_TRUE(check_positions(seen.input(), rough(0.05), seen.params).fails());
+  EXPECT_FALSE(check_positions(seen.input(), rough(0.3), seen.params).fails());
 }
 
 TEST(Checks, DisparitiesThatDoNotFitTheMotionFail) {
@@ -99,16 +99,16 @@ TEST(Checks, DisparitiesThatDoNotFitTheMotionFail) {
     seen.observations[i].uvd_cur.z() += i % 2 == 0 ? 1.0 : -1.0;
   seen.observations.back().inlier = false;
   seen.observations.back().uvd_cur.z() = 40.0;
-  EXPECT_NEAR(disparity_error_px(seen.findings()), 1.0, 1e-9) << "outliers do not count";
-  EXPECT_TRUE(check_disparities(seen.findings(), rough(0.05), seen.params).fails());
-  EXPECT_FALSE(check_disparities(seen.findings(), rough(0.3), seen.params).fails());
+  EXPECT_NEAR(disparity_error_px(seen.input()), 1.0, 1e-9) << "outliers do not count";
+  EXPECT_TRUE(check_disparities(seen.input(), rough(0.05), seen.params).fails());
+  EXPECT_FALSE(check_disparities(seen.input(), rough(0.3), seen.params).fails());
 }
 
 TEST(Checks, ACommonShiftThatWasSolvedForIsNoErrorOfTheDisparities) {
   Seen seen;
   for (Observation& o : seen.observations) o.uvd_cur.z() += 2.0;
   seen.motion.shift_px = 2.0;
-  EXPECT_NEAR(disparity_error_px(seen.findings()), 0.0, 1e-9);
+  EXPECT_NEAR(disparity_error_px(seen.input()), 0.0, 1e-9);
 }
 
 TEST(Checks, ASmallPartOfThePictureMustFitBetter) {
@@ -116,9 +116,9 @@ TEST(Checks, ASmallPartOfThePictureMustFitBetter) {
   for (std::size_t i = 0; i < seen.observations.size(); ++i)
     seen.observations[i].uvd_cur.z() += i % 2 == 0 ? 0.6 : -0.6;
   const CameraNoise noise = rough(0.05);
-  EXPECT_FALSE(check_disparities(seen.findings(), noise, seen.params).fails());
+  EXPECT_FALSE(check_disparities(seen.input(), noise, seen.params).fails());
   seen.covered = 0.1;
-  EXPECT_TRUE(check_disparities(seen.findings(), noise, seen.params).fails());
+  EXPECT_TRUE(check_disparities(seen.input(), noise, seen.params).fails());
 }
 
 TEST(Checks, ContradictionIsAShareOfTheCellsThatVoted) {
@@ -136,56 +136,56 @@ TEST(Checks, SurfacesThatChangeMoreThanLeftAndRightDifferAreRunningGround) {
   Seen seen;
   seen.motion.error_px = 0.33;
   for (Observation& o : seen.observations) o.change = 0.15F, o.difference = 0.03F;
-  EXPECT_TRUE(check_running_ground(seen.findings(), rough(0.06), seen.caution, seen.params, seen.scratch).fails());
+  EXPECT_TRUE(check_running_ground(seen.input(), rough(0.06), seen.caution, seen.params, seen.scratch).fails());
   // Blur and compression change the picture of both cameras alike.
   for (Observation& o : seen.observations) o.change = 0.12F, o.difference = 0.065F;
-  EXPECT_FALSE(check_running_ground(seen.findings(), rough(0.25), seen.caution, seen.params, seen.scratch).fails());
+  EXPECT_FALSE(check_running_ground(seen.input(), rough(0.25), seen.caution, seen.params, seen.scratch).fails());
 }
 
 TEST(Checks, UnequalCamerasAreNoRunningGround) {
   Seen seen;
   for (Observation& o : seen.observations) o.change = 0.01F, o.difference = 0.2F;
-  EXPECT_EQ(check_running_ground(seen.findings(), seen.noise, seen.caution, seen.params, seen.scratch).value, 0.0);
+  EXPECT_EQ(check_running_ground(seen.input(), seen.noise, seen.caution, seen.params, seen.scratch).value, 0.0);
 }
 
 TEST(Checks, ACameraThatRepeatsItsLastImageHangs) {
   Seen seen;
   // The left image moves by 8 px, the right one stands: disparities follow the left one.
   for (Observation& o : seen.observations) o.uvd_cur.x() += 8.0, o.uvd_cur.z() += 8.0;
-  EXPECT_TRUE(check_hanging_camera(seen.findings(), seen.noise, seen.scratch).fails());
+  EXPECT_TRUE(check_hanging_camera(seen.input(), seen.noise, seen.scratch).fails());
   for (Observation& o : seen.observations) o.uvd_cur.z() -= 8.0;
-  EXPECT_FALSE(check_hanging_camera(seen.findings(), seen.noise, seen.scratch).fails());
+  EXPECT_FALSE(check_hanging_camera(seen.input(), seen.noise, seen.scratch).fails());
   Seen standing;
-  EXPECT_FALSE(check_hanging_camera(standing.findings(), standing.noise, standing.scratch).applies);
+  EXPECT_FALSE(check_hanging_camera(standing.input(), standing.noise, standing.scratch).applies);
 }
 
 TEST(Checks, AGoodShareOfTheFeaturesMustBeFoundAndMoreUnderCaution) {
   Seen seen(20);  // of 100
-  EXPECT_FALSE(check_found_again(seen.findings(), seen.caution).fails());
+  EXPECT_FALSE(check_found_again(seen.input(), seen.caution).fails());
   Checks running;
   running[Check::running_ground] = {2.0, 1.0, true};
   seen.caution.learn(running);
-  EXPECT_TRUE(check_found_again(seen.findings(), seen.caution).fails());
+  EXPECT_TRUE(check_found_again(seen.input(), seen.caution).fails());
   Seen few(5);
-  EXPECT_TRUE(check_found_again(few.findings(), few.caution).fails());
+  EXPECT_TRUE(check_found_again(few.input(), few.caution).fails());
 }
 
 TEST(Checks, AMotionKnownToAFifthOfItselfIsWeak) {
   Seen seen;
   seen.motion.T_prev_cur.t.z() = 1.0;
   Matrix6d covariance = Matrix6d::Identity() * 1e-4;
-  EXPECT_FALSE(check_uncertainty(seen.findings(), covariance, seen.params).fails());
+  EXPECT_FALSE(check_uncertainty(seen.input(), covariance, seen.params).fails());
   covariance *= 400.0;
   Checks checks;
-  checks[Check::uncertainty] = check_uncertainty(seen.findings(), covariance, seen.params);
+  checks[Check::uncertainty] = check_uncertainty(seen.input(), covariance, seen.params);
   EXPECT_EQ(verdict(checks), Status::weak);
   EXPECT_LT(quality(checks), 50);
 }
 
 TEST(Checks, WhoStandsIsKnownByTheDistanceOfWhatIsSeen) {
   Seen seen;  // at 6 m
-  EXPECT_FALSE(check_uncertainty(seen.findings(), Matrix6d::Identity() * 1e-5, seen.params).fails());
-  EXPECT_TRUE(check_uncertainty(seen.findings(), Matrix6d::Identity() * 1e-3, seen.params).fails());
+  EXPECT_FALSE(check_uncertainty(seen.input(), Matrix6d::Identity() * 1e-5, seen.params).fails());
+  EXPECT_TRUE(check_uncertainty(seen.input(), Matrix6d::Identity() * 1e-3, seen.params).fails());
 }
 
 TEST(Verdict, FollowsTheFirstCheckThatFails) {
@@ -250,15 +250,15 @@ TEST(Uncertainty, GrowsWithNoiseCoverageAndLight) {
   Seen seen;
   seen.motion.covariance = Matrix6d::Identity();
   const SelfCheck check(kModel, seen.params);
-  const double least = uncertainty(seen.findings(), false, seen.params, check, seen.scratch)(0, 0);
+  const double least = uncertainty(seen.input(), false, seen.params, check, seen.scratch)(0, 0);
   seen.motion.error_px = 1.0;
-  const double noisy = uncertainty(seen.findings(), false, seen.params, check, seen.scratch)(0, 0);
+  const double noisy = uncertainty(seen.input(), false, seen.params, check, seen.scratch)(0, 0);
   EXPECT_GT(noisy, 5.0 * least);
   seen.covered = 0.5;
-  EXPECT_NEAR(uncertainty(seen.findings(), false, seen.params, check, seen.scratch)(0, 0), 4.0 * noisy, 0.2 * noisy);
+  EXPECT_NEAR(uncertainty(seen.input(), false, seen.params, check, seen.scratch)(0, 0), 4.0 * noisy, 0.2 * noisy);
   seen.covered = 1.0;
   for (std::size_t i = 0; i < seen.observations.size(); ++i) seen.observations[i].brighter = i % 3 == 0 ? 30.0F : 0.0F;
-  EXPECT_GT(uncertainty(seen.findings(), false, seen.params, check, seen.scratch)(0, 0), 3.0 * noisy);
+  EXPECT_GT(uncertainty(seen.input(), false, seen.params, check, seen.scratch)(0, 0), 3.0 * noisy);
 }
 
 TEST(Uncertainty, OfAMotionThatTakesBackTheErrorBefore) {

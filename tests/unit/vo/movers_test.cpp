@@ -97,7 +97,7 @@ class MoversTest : public testing::Test {
   MoverTracker tracker_{kModel, params_};
 };
 
-TEST_F(MoversTest, AThingThatMovesByItselfIsToldWithItsVelocityUnderOneNumber) {
+TEST_F(MoversTest, AnObjectThatMovesByItselfIsPublishedWithItsVelocityUnderOneNumber) {
   Stage stage(1);
   stage.add_world(150);
   stage.add_thing({0.3, 0.2, 4.0}, 25);
@@ -137,17 +137,17 @@ TEST_F(MoversTest, FalseMatchesAreNoThing) {
   stage.add_world(150);
   stage.add_false_matches(80);
   Frame last = stage.frame(0, {}, {});
-  int told = 0;
+  int published = 0;
   for (int i = 1; i < 60; ++i) {
     Frame next = stage.frame(i, moved(0.0, 0.0, 0.07 * i), {});
     step(last, next);
-    told += movers().count;
+    published += movers().count;
     last = std::move(next);
   }
-  EXPECT_EQ(told, 0);
+  EXPECT_EQ(published, 0);
 }
 
-TEST_F(MoversTest, APartOfTheVehicleIsNoticedAndSaidWhere) {
+TEST_F(MoversTest, APartOfTheVehicleIsDetectedWithItsPlace) {
   Stage stage(3);
   stage.add_world(150);
   stage.add_thing({0.2, 0.5, 1.6}, 20);
@@ -155,7 +155,7 @@ TEST_F(MoversTest, APartOfTheVehicleIsNoticedAndSaidWhere) {
   for (int i = 1; i < 50; ++i) {
     const RigidTransform T = moved(0.0, 0.0, 0.1 * i, 0.002 * i);
     Frame next = stage.frame(i, T, T);  // it goes where the camera goes
-    step(last, next, i % 2 == 0);       // noticed whatever the verdict
+    step(last, next, i % 2 == 0);       // found whatever the verdict
     last = std::move(next);
   }
   const VehiclePart& part = tracker_.vehicle_part();
@@ -184,7 +184,7 @@ TEST_F(MoversTest, AVehicleAheadAtTheSamePaceIsNoPartOfOurs) {
   EXPECT_EQ(movers().count, 1);
 }
 
-TEST_F(MoversTest, NothingIsToldOfAFailedFrame) {
+TEST_F(MoversTest, NothingIsPublishedOfAFailedFrame) {
   Stage stage(5);
   stage.add_world(150);
   stage.add_thing({0.3, 0.2, 4.0}, 25);

@@ -99,7 +99,7 @@ TEST(DeadReckoning, FadesWhileNothingConfirmsIt) {
       << "turns end sooner than driving does";
 }
 
-TEST(DeadReckoning, HoldsWhereThatIsAskedFor) {
+TEST(DeadReckoning, HoldsThePoseWhereConfigured) {
   VoParams params;
   params.after_failure = AfterFailure::hold;
   DeadReckoning reckoning{params};

@@ -67,7 +67,7 @@ TEST(SelfCheck, AThirdOfWrongRowsDoesNotMisleadIt) {
   EXPECT_NEAR(check.result().rotation_deg.z(), 0.03, 0.01);
 }
 
-TEST(SelfCheck, CorrectsDisparitiesOnlyWhenTold) {
+TEST(SelfCheck, CorrectsDisparitiesOnlyWhenConfigured) {
   VoParams params;
   params.compensate_calibration = false;
   SelfCheck check(kModel, params);
@@ -88,7 +88,7 @@ TEST(SelfCheck, RowsAreJudgedWhereFeaturesWereSeen) {
   std::mt19937 rng(6);
   std::uniform_real_distribution<double> u(100, 400), v(150, 300);
   for (int frame = 0; frame < 100; ++frame) {
-    for (int i = 0; i < 80; ++i) {  // bends upward in the middle third, which says nothing of the corners
+    for (int i = 0; i < 80; ++i) {  // bends upward in the middle third, which gives no evidence on the corners
       const double at_u = u(rng), at_v = v(rng);
       const double x = (at_u - kModel.cx_px) / kModel.fx_px;
       check.add_vertical(at_u, at_v, 3.0 * x * x);

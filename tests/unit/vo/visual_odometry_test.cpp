@@ -218,7 +218,7 @@ void put_vehicle_part(Scene::Views& v) {
   }
 }
 
-TEST(VisualOdometry, NoticesAPartOfTheVehicleInTheView) {
+TEST(VisualOdometry, DetectsAPartOfTheVehicleInTheView) {
   Scene::Views here = Scene().from(0.0, 0.0), there = Scene().from(0.03, 0.01);
   put_vehicle_part(here);
   put_vehicle_part(there);

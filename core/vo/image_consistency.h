@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Step A6 beyond the paper: does the picture as a whole move as the motion says? The clique knows only what matched. A
-// thing of high contrast before a dull ground gives all corners, all matches and a perfect clique, and yet most of the
-// world moves otherwise. So the image is divided into cells, and each with any texture of known depth is a witness.
+// Step A6 beyond the paper: does the image as a whole move as estimated? The clique is made of matches alone. An object
+// of high contrast before weakly textured ground gives all corners, all matches and a perfect clique, though most of
+// the world moves otherwise. So the image is divided into cells, and a patch of known depth is tested in each of them.
 #pragma once
 
 #include <vector>
@@ -17,20 +17,20 @@ namespace cliquevo::vo {
 
 // Cells of the reference's image.
 struct CellVotes {
-  int agree = 0;       // something in it moved as the motion says
+  int agree = 0;       // something in it moved as predicted
   int inliers = 0;     // even an inlier
   int cells = 0;       // in all
-  int contradict = 0;  // its texture is nowhere near where the motion puts it, though nothing hides that place
+  int contradict = 0;  // its texture is not where the motion predicts it, though nothing hides that place
   double coverage() const { return cells > 0 ? static_cast<double>(inliers) / cells : 0.0; }
   double share() const { return agree + contradict > 0 ? static_cast<double>(contradict) / (agree + contradict) : 0.0; }
 };
 
-class Support {
+class ImageConsistency {
  public:
-  explicit Support(const StereoModel& model);
+  explicit ImageConsistency(const StereoModel& model);
 
   // The best textured place of known depth in each cell that has no feature.
-  void choose_witnesses(ImageView<const std::int16_t> disparity, Frame& frame);
+  void choose_test_patches(ImageView<const std::int16_t> disparity, Frame& frame);
   // `observations`: of the reference (index 0), judged. `disparity`: of the current frame. Every patch that is not
   // found contradicts, also one of a repeated pattern, or (slower) unique ones alone.
   enum class Contradicts : std::uint8_t { any, unique };
@@ -56,7 +56,8 @@ class Support {
   int side_px_ = 0;  // of a cell
   int across_ = 0;   // cells
   int down_ = 0;
-  std::vector<std::uint8_t> asked_;  // a cell each
+  std::vector<std::uint8_t> has_feature_;  // of each cell
+  std::vector<std::uint8_t> tested_;       // patches of each cell that voted
   std::vector<Vote> votes_;
 };
 

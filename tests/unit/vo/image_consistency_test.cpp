@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A motion on which all inliers agree and which the picture contradicts is reported, not published.
-#include "core/vo/support.h"
+#include "core/vo/image_consistency.h"
 
 #include <algorithm>
 #include <cmath>
@@ -70,7 +70,7 @@ VisualOdometry make() {
   return std::move(*made);
 }
 
-TEST(Support, AThingThatHasAllTheCornersIsNotTheWorld) {
+TEST(ImageConsistency, AnObjectWithAllTheCornersIsNotTheWorld) {
   Scene scene;
   VisualOdometry vo = make();
   scene.show(vo, 0, 160, 0.0, 0.0);
@@ -81,7 +81,7 @@ TEST(Support, AThingThatHasAllTheCornersIsNotTheWorld) {
   }
 }
 
-TEST(Support, DullGroundThatMovesLikewiseAgrees) {
+TEST(ImageConsistency, WeaklyTexturedGroundThatMovesLikewiseAgrees) {
   Scene scene;
   VisualOdometry vo = make();
   scene.show(vo, 0, 160, 0.0, 0.0);
@@ -93,7 +93,7 @@ TEST(Support, DullGroundThatMovesLikewiseAgrees) {
   }
 }
 
-TEST(Support, ASmallThingDoesNotSpoilTheMotion) {
+TEST(ImageConsistency, ASmallObjectDoesNotSpoilTheMotion) {
   Scene scene;
   VisualOdometry vo = make();
   scene.show(vo, 0, 222, 0.0, 0.0);  // here the larger part is the world
@@ -104,7 +104,7 @@ TEST(Support, ASmallThingDoesNotSpoilTheMotion) {
   }
 }
 
-TEST(Support, AFewInliersStandForTheirOwnCellsAlone) {
+TEST(ImageConsistency, AFewInliersStandForTheirOwnCellsAlone) {
   Scene scene;
   VisualOdometry vo = make();
   scene.show(vo, 0, 0, 0.0, 0.0);
@@ -123,11 +123,11 @@ TEST(Support, AFewInliersStandForTheirOwnCellsAlone) {
   }
   std::vector<Observation> observations(3);
   for (std::size_t i = 0; i < observations.size(); ++i) observations[i].feature = static_cast<int>(40 * i);
-  Support support(kModel);
+  ImageConsistency consistency(kModel);
   const SelfCheck check(kModel, params);
-  support.choose_witnesses(scene.disparity(), frame);
-  const CellVotes votes = support.count(frame, frame, scene.disparity(), RigidTransform{}, ViewErrors{check},
-                                        observations, Support::Contradicts::unique);
+  consistency.choose_test_patches(scene.disparity(), frame);
+  const CellVotes votes = consistency.count(frame, frame, scene.disparity(), RigidTransform{}, ViewErrors{check},
+                                            observations, ImageConsistency::Contradicts::unique);
   EXPECT_EQ(votes.inliers, 3);
   EXPECT_GT(votes.agree, 20) << "the rest of the picture agrees";
   EXPECT_NEAR(votes.coverage(), 3.0 / votes.cells, 1e-12) << "and yet the motion rests on three places";

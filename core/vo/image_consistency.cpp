@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "core/vo/support.h"
+#include "core/vo/image_consistency.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,19 +13,19 @@ namespace {
 
 constexpr int kCells = 120;            // at most, about
 constexpr int kLeastSide = 16;         // px, of a cell
-constexpr int kWitnessRadius = 7;      // half side of a patch: larger than a feature's, for dull ground
+constexpr int kTestRadius = 7;         // half side of a patch: larger than a feature's, for weakly textured ground
 constexpr int kIterations = 5;         // of the search: to a tenth of a pixel is enough
-constexpr int kAsked = 2;              // witnesses in a cell, at most
+constexpr int kMostVotes = 2;          // of a cell's patches
 constexpr double kNearby = 2.5;        // px, a patch found so near to its place agrees
 constexpr double kMostChange = 2.0;    // of a patch's area: seen too differently to compare
 constexpr double kSameDepth = 0.1;     // share of the disparity, and at least ...
-constexpr double kSameDepth_px = 1.5;  // ... this: farther off, something else is seen there
-// Correlations: of both images' patches from which a witness is heard (what noise leaves of it is its own measure) ...
+constexpr double kSameDepth_px = 1.5;  // ... this: beyond, something else is seen there
+// Correlations: of the left and the right patch, from which a patch may vote (noise lowers this one as well) ...
 constexpr float kSeenByBoth = 0.7F;
 constexpr float kAlike = 0.7F;   // ... with the patch of the other frame, as a share of that: agrees ...
 constexpr float kUnlike = 0.5F;  // ... or contradicts
-// A pattern that repeats itself (railings, bricks) is found in several places, in space and in depth: patches that
-// correlate nearly as well with their own surroundings as with the other camera's view of them prove nothing.
+// A repeated pattern (railings, bricks) is found in several places, in space and in depth: a patch that correlates
+// nearly as well with its own surroundings as with its image in the other camera proves nothing.
 constexpr float kRepeated = 0.9F;
 constexpr double kNearSelf = 0.5;     // of the patch's side: nearer, every patch resembles itself
 constexpr double kRepeatReach = 3.0;  // sides of the patch along the row, where stereo matching looks
@@ -45,8 +45,8 @@ int texture_at(ImageView<const std::uint8_t> image, int x, int y) {
 
 }  // namespace
 
-Support::Support(const StereoModel& model) : model_(model), shutter_(model) {
-  patch_.radius = kWitnessRadius;
+ImageConsistency::ImageConsistency(const StereoModel& model) : model_(model), shutter_(model) {
+  patch_.radius = kTestRadius;
   patch_.iterations = kIterations;
   patch_.max_residual = 255.0;  // correlation decides
   patch_.max_shift_px = kNearby;
@@ -55,20 +55,21 @@ Support::Support(const StereoModel& model) : model_(model), shutter_(model) {
   across_ = (model.width + side_px_ - 1) / side_px_;
   down_ = (model.height + side_px_ - 1) / side_px_;
   const std::size_t cells = static_cast<std::size_t>(across_) * static_cast<std::size_t>(down_);
-  asked_.resize(cells);
+  has_feature_.resize(cells);
+  tested_.resize(cells);
   votes_.resize(cells);
 }
 
-void Support::choose_witnesses(ImageView<const std::int16_t> disparity, Frame& frame) {
-  frame.witnesses.clear();
-  frame.witnesses.reserve(asked_.size());  // the first time only
-  std::fill(asked_.begin(), asked_.end(), 0);
-  for (const Feature& f : frame.features) asked_[cell_of(f.x, f.y)] = 1;
+void ImageConsistency::choose_test_patches(ImageView<const std::int16_t> disparity, Frame& frame) {
+  frame.test_patches.clear();
+  frame.test_patches.reserve(has_feature_.size());  // the first time only
+  std::fill(has_feature_.begin(), has_feature_.end(), 0);
+  for (const Feature& f : frame.features) has_feature_[cell_of(f.x, f.y)] = 1;
   const ImageView<const std::uint8_t> image = frame.left.cview();
   const int step = std::max(4, side_px_ / 8);
   for (int top = 0; top < model_.height; top += side_px_) {
     for (int left = 0; left < model_.width; left += side_px_) {
-      if (asked_[cell_of(left, top)] != 0) continue;
+      if (has_feature_[cell_of(left, top)] != 0) continue;
       Feature best;
       const int right = std::min(left + side_px_, model_.width - kFeatureMargin);
       const int bottom = std::min(top + side_px_, model_.height - kFeatureMargin);
@@ -87,14 +88,15 @@ void Support::choose_witnesses(ImageView<const std::int16_t> disparity, Frame& f
       if (best.score == 0) continue;
       best.raw_disparity_px = best.disparity_px;
       measure_slant(disparity, best);
-      frame.witnesses.push_back(best);
+      frame.test_patches.push_back(best);
     }
   }
 }
 
-Support::Vote Support::test_patch(const Feature& f, const Frame& reference, const Frame& current,
-                                  ImageView<const std::int16_t> disparity, const RigidTransform& T_cur_ref,
-                                  const ViewErrors& errors, Contradicts which) const {
+ImageConsistency::Vote ImageConsistency::test_patch(const Feature& f, const Frame& reference, const Frame& current,
+                                                    ImageView<const std::int16_t> disparity,
+                                                    const RigidTransform& T_cur_ref, const ViewErrors& errors,
+                                                    Contradicts which) const {
   const double d = f.raw_disparity_px - errors.check.disparity_error_px(f.x, f.y) - reference.shift_px;
   if (d + model_.doffs_px < kMinDisparity_px) return Vote::none;
   SurfacePatch expected;
@@ -102,14 +104,14 @@ Support::Vote Support::test_patch(const Feature& f, const Frame& reference, cons
   if (shutter_.rolls()) {
     T = between_rows(model_, shutter_, f, d, T_cur_ref, errors.reference_velocity, errors.velocity);
   }
-  if (!surface_patch(model_, f, d, T, kWitnessRadius, expected)) return Vote::none;
-  const double reach = kWitnessRadius + 4;
+  if (!surface_patch(model_, f, d, T, kTestRadius, expected)) return Vote::none;
+  const double reach = kTestRadius + 4;
   if (!(expected.u >= reach && expected.v >= reach && expected.u < model_.width - reach &&
         expected.v < model_.height - reach)) {
     return Vote::none;
   }
   if (!(expected.area > 1.0 / kMostChange && expected.area < kMostChange)) return Vote::none;
-  // Hidden by something else, or not known: then the place says nothing.
+  // Hidden by something else, or not known: then the place does not vote.
   const std::int16_t there =
       disparity(static_cast<int>(std::lround(expected.u)), static_cast<int>(std::lround(expected.v)));
   if (there == kUnknownDisparity) return Vote::none;
@@ -122,15 +124,15 @@ Support::Vote Support::test_patch(const Feature& f, const Frame& reference, cons
     return Vote::none;
   }
   const PatchFit moved = fit_patch(t, current.left.cview(), static_cast<float>(expected.u),
-                                   static_cast<float>(expected.v), expected.warp, Freedom::both, patch_);
+                                   static_cast<float>(expected.v), expected.warp, SearchAxes::both, patch_);
   if (moved.correlation > kAlike) return Vote::agrees;
-  // Not found: but is it fit to be found at all?
+  // Not found: it counts only where both cameras see it alike.
   Warp to_right;
   to_right.xx = static_cast<float>(1.0 - f.disparity_dx);
   to_right.xy = static_cast<float>(-f.disparity_dy);
   const PatchFit both =
       fit_patch(t, reference.right.cview(), static_cast<float>(f.x - f.raw_disparity_px),
-                static_cast<float>(f.y + errors.check.vertical_error_px(f.x, f.y)), to_right, Freedom::both, patch_);
+                static_cast<float>(f.y + errors.check.vertical_error_px(f.x, f.y)), to_right, SearchAxes::both, patch_);
   if (both.correlation < kSeenByBoth) return Vote::none;
   if (moved.correlation > kAlike * both.correlation) return Vote::agrees;
   if (moved.correlation >= kUnlike * both.correlation) return Vote::none;
@@ -141,16 +143,16 @@ Support::Vote Support::test_patch(const Feature& f, const Frame& reference, cons
 
 // Whether the patch is seen again nearby, with at least this correlation: along its row, where a wrong depth would come
 // from, or along the way (du, dv) that it would have moved.
-bool Support::repeated(const Template& t, const Feature& f, const Frame& reference, float correlation, double du,
-                       double dv) const {
+bool ImageConsistency::repeated(const Template& t, const Feature& f, const Frame& reference, float correlation,
+                                double du, double dv) const {
   PatchParams once = patch_;
   once.iterations = 1;  // only the correlation there
-  const double side = 2.0 * kWitnessRadius + 1.0;
+  const double side = 2.0 * kTestRadius + 1.0;
   const auto along = [&](double dx, double dy, double length) {
     for (double at = kNearSelf * side; at <= length; at += 1.0) {
       for (const double way : {at, -at}) {
         const PatchFit there = fit_patch(t, reference.left.cview(), static_cast<float>(f.x + way * dx),
-                                         static_cast<float>(f.y + way * dy), {}, Freedom::both, once);
+                                         static_cast<float>(f.y + way * dy), {}, SearchAxes::both, once);
         if (there.correlation > correlation) return true;
       }
     }
@@ -161,9 +163,9 @@ bool Support::repeated(const Template& t, const Feature& f, const Frame& referen
   return moved > kNearSelf * side && along(du / moved, dv / moved, moved + 0.5 * side);
 }
 
-CellVotes Support::count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,
-                         const RigidTransform& T_ref_cur, const ViewErrors& errors,
-                         const std::vector<Observation>& observations, Contradicts which) {
+CellVotes ImageConsistency::count(const Frame& reference, const Frame& current, ImageView<const std::int16_t> disparity,
+                                  const RigidTransform& T_ref_cur, const ViewErrors& errors,
+                                  const std::vector<Observation>& observations, Contradicts which) {
   std::fill(votes_.begin(), votes_.end(), Vote::none);
   for (const Observation& o : observations) {
     if (o.reference != 0 || !o.inlier) continue;
@@ -174,19 +176,19 @@ CellVotes Support::count(const Frame& reference, const Frame& current, ImageView
   out.cells = static_cast<int>(votes_.size());
   for (const Vote v : votes_) out.inliers += v == Vote::agrees ? 1 : 0;
   const RigidTransform T_cur_ref = T_ref_cur.inverse();
-  const auto collect = [&](const std::vector<Feature>& witnesses) {
-    for (const Feature& w : witnesses) {
-      const std::size_t cell = cell_of(w.x, w.y);
-      if (votes_[cell] == Vote::agrees || asked_[cell] >= kAsked) continue;
-      const Vote vote = test_patch(w, reference, current, disparity, T_cur_ref, errors, which);
+  const auto collect_votes = [&](const std::vector<Feature>& places) {
+    for (const Feature& place : places) {
+      const std::size_t cell = cell_of(place.x, place.y);
+      if (votes_[cell] == Vote::agrees || tested_[cell] >= kMostVotes) continue;
+      const Vote vote = test_patch(place, reference, current, disparity, T_cur_ref, errors, which);
       if (vote == Vote::none) continue;
-      ++asked_[cell];
+      ++tested_[cell];
       votes_[cell] = std::max(votes_[cell], vote);
     }
   };
-  std::fill(asked_.begin(), asked_.end(), 0);
-  collect(reference.features);  // the best of each cell come first
-  collect(reference.witnesses);
+  std::fill(tested_.begin(), tested_.end(), 0);
+  collect_votes(reference.features);  // the best of each cell come first
+  collect_votes(reference.test_patches);
   for (const Vote v : votes_) {
     out.agree += v == Vote::agrees ? 1 : 0;
     out.contradict += v == Vote::contradicts ? 1 : 0;
