@@ -72,3 +72,6 @@ configure_package_config_file(cmake/cliquevo-config.cmake.in ${PROJECT_BINARY_DI
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cliquevo-config-version.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/cliquevo-config.cmake ${PROJECT_BINARY_DIR}/cliquevo-config-version.cmake
   DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/cliquevo COMPONENT ${CLIQUEVO_LIBRARY_COMPONENT})
+
+# The API's pages: tools/doc.
+configure_file(docs/api/Doxyfile.in ${PROJECT_BINARY_DIR}/Doxyfile @ONLY)

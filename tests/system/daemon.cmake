@@ -5,7 +5,7 @@ if(TARGET cliquevod)
 endif()
 if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
   cliquevo_add_system_test(test_system_install SOURCES install_test.cpp
-    DEPENDS cliquevod cliquevo cliquevo_base cliquevo_stereo cliquevo_vo)
+    DEPENDS cliquevod cliquevo cliquevo_odometry cliquevo_headers_verify_interface_header_sets)
   target_compile_definitions(test_system_install PRIVATE
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()
@@ -18,7 +18,7 @@ endif()
 # The package and its unit in a booted container.
 if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
   cliquevo_add_system_test(test_system_service SOURCES service_test.cpp booted_root.cpp
-    LIBRARIES cliquevo_lcmtypes fmt::fmt DEPENDS cliquevod cliquevo cliquevo_base cliquevo_stereo cliquevo_vo)
+    LIBRARIES cliquevo_lcmtypes fmt::fmt DEPENDS cliquevod cliquevo cliquevo_odometry)
   target_compile_definitions(test_system_service PRIVATE
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()
@@ -29,4 +29,9 @@ if(TARGET cliquevod)
     DEPENDS cliquevod TIMEOUT 900 ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
   cliquevo_add_test(test_large_sensor bench SOURCES large_sensor_test.cpp LIBRARIES fmt::fmt nlohmann_json::nlohmann_json
     DEPENDS cliquevod cliquevo TIMEOUT 900 ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
+endif()
+find_program(CLIQUEVO_DOXYGEN doxygen)
+if(CLIQUEVO_DOXYGEN)
+  add_test(NAME Doc.EveryPublicMemberIsDescribed COMMAND ${CLIQUEVO_DOXYGEN} ${PROJECT_BINARY_DIR}/Doxyfile)
+  set_tests_properties(Doc.EveryPublicMemberIsDescribed PROPERTIES LABELS system TIMEOUT 300)
 endif()

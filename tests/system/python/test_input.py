@@ -77,7 +77,7 @@ class BadInput(Case):
                 self.refused(cliquevo.Error, "", cliquevo.StereoModel, **{**good, key: value})
         for model in (None, 3, "model", cliquevo.StereoModel):
             self.refused(TypeError, "give a StereoModel, a StereoCalibration or a source", cliquevo.Odometry, model)
-        self.refused_any(cliquevo.Odometry, cliquevo.StereoModel(**{**good, "width": 16, "height": 16}))
+        self.refused_any(cliquevo.Odometry, cliquevo.StereoModel(**{**good, "width": 16, "height": 16, "cx_px": 8, "cy_px": 8}))
 
     def refused_any(self, work, *arguments, **named):
         with self.assertRaises((cliquevo.Error, TypeError)):
