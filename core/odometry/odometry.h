@@ -15,6 +15,7 @@
 
 namespace cliquevo {
 
+// Rectification, dense stereo and visual odometry of one stereo camera.
 class Odometry {
  public:
   // For images that are rectified already: rows are epipolar lines.
@@ -48,9 +49,9 @@ class Odometry {
   const StereoModel& model() const;
   // Size of the images that step() takes: of the left and the right camera.
   int left_width() const;
-  int left_height() const;
-  int right_width() const;
-  int right_height() const;
+  int left_height() const;   // px
+  int right_width() const;   // px
+  int right_height() const;  // px
   // Forgets all frames and starts again at the identity.
   void reset();
 
