@@ -37,7 +37,8 @@ std::string build(const std::string& project, const std::vector<std::string>& op
   const Finished configured = test::run(
       configure, {{"CXXFLAGS", "-Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Werror"}});
   EXPECT_EQ(configured.exit_code, 0) << configured.out << configured.err;
-  const Finished built = test::run({"cmake", "--build", folder});
+  test::Subprocess compiling({"cmake", "--build", folder});
+  const Finished built = compiling.wait(1200.0);  // the whole library, where it is part of the project
   EXPECT_EQ(built.exit_code, 0) << built.out << built.err;
   return folder;
 }
