@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 find_package(Threads REQUIRED)
-find_package(PkgConfig REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+if(CLIQUEVO_LIBRARY_ONLY)
+  return()
+endif()
+find_package(PkgConfig REQUIRED)
 find_package(yaml-cpp REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# What goes where: programs, service, configuration, message types, and the library for find_package(cliquevo). Then the
-# Debian package of all that (`cpack -G DEB`).
+# What goes where: programs, service, configuration, message types; library.cmake has the library. Then the Debian
+# package of all that (`cpack -G DEB`).
 include(GNUInstallDirs)
-include(CMakePackageConfigHelpers)
 
 # The service names its program and configuration by full path: /usr (the presets' prefix) and /etc.
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)  # packing does not build the tests
@@ -19,34 +18,6 @@ install(FILES README.md CHANGELOG.md docs/configuration.md DESTINATION ${CMAKE_I
 install(FILES systemd/network-cameras.conf DESTINATION ${CMAKE_INSTALL_DOCDIR}/examples)
 install(FILES tools/view/page/vendor/three.LICENSE tools/view/page/vendor/uPlot.LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR}/licences)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR} RENAME copyright)
-
-# The library: stereo and odometry, with Eigen in their interface and nothing else.
-set(rooms base stereo vo)
-foreach(room ${rooms})
-  set_target_properties(cliquevo_${room} PROPERTIES EXPORT_NAME ${room})
-endforeach()
-set_target_properties(cliquevo_options PROPERTIES EXPORT_NAME options)
-install(TARGETS cliquevo_options cliquevo_base cliquevo_stereo cliquevo_vo EXPORT cliquevo
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-install(EXPORT cliquevo NAMESPACE cliquevo:: FILE cliquevo-targets.cmake
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/cliquevo)
-file(WRITE ${PROJECT_BINARY_DIR}/cliquevo-config.cmake [[
-include(CMakeFindDependencyMacro)
-find_dependency(Eigen3 3.4 NO_MODULE)
-find_dependency(Threads)
-include(${CMAKE_CURRENT_LIST_DIR}/cliquevo-targets.cmake)
-]])
-write_basic_package_version_file(${PROJECT_BINARY_DIR}/cliquevo-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/cliquevo-config.cmake ${PROJECT_BINARY_DIR}/cliquevo-config-version.cmake
-  DESTINATION ${CMAKE_INSTALL_LIBDIR}/cmake/cliquevo)
-foreach(header
-    core/base/camera_model.h core/base/image.h core/base/isa.h core/base/result.h core/base/rigid_transform.h
-    core/base/time.h core/vo/evidence.h core/vo/movers.h core/vo/seen_feature.h core/vo/self_check.h core/vo/step_times.h core/vo/verdict.h
-    core/vo/visual_odometry.h core/vo/vo_params.h
-    stereo/dense_stereo.h stereo/rectify.h stereo/rectify_params.h stereo/stereo_params.h)
-  get_filename_component(folder ${header} DIRECTORY)
-  install(FILES ${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/cliquevo/${folder})
-endforeach()
 
 set(CPACK_PACKAGE_NAME cliquevo)
 set(CPACK_PACKAGE_VENDOR cliquevo)
@@ -65,4 +36,7 @@ set(CPACK_DEBIAN_PACKAGE_SUGGESTS "liblcm-java, libjchart2d-java, default-jdk-he
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
   ${PROJECT_SOURCE_DIR}/systemd/debian/conffiles;${PROJECT_SOURCE_DIR}/systemd/debian/postinst;${PROJECT_SOURCE_DIR}/systemd/debian/prerm)
+if(TARGET cliquevo_python)
+  include(cmake/python_package.cmake)
+endif()
 include(CPack)

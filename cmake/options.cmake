@@ -15,8 +15,7 @@ endif()
 set(CLIQUEVO_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined or thread")
 
 add_library(cliquevo_options INTERFACE)
-target_include_directories(cliquevo_options INTERFACE
-  $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/cliquevo>)
+target_include_directories(cliquevo_options INTERFACE $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>)
 target_compile_features(cliquevo_options INTERFACE cxx_std_20)
 # A fused multiply-add (-ffp-contract) rounds once where two operations round twice: results would depend on the machine.
 foreach(flag -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual

@@ -12,6 +12,7 @@
 
 namespace cliquevo::stereo {
 
+// Disparity of rectified pairs of one size. One thread at a time.
 class DenseStereo {
  public:
   // Allocates everything for images of this size; compute() allocates nothing.
@@ -26,6 +27,7 @@ class DenseStereo {
   Result<void> compute(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                        ImageView<std::uint8_t> filtered_left, ImageView<std::int16_t> disparity);
 
+  // As given to make().
   const StereoParams& params() const;
   // Of the workers beside the caller's thread, to be given a core and a priority.
   std::vector<std::thread::native_handle_type> worker_handles();

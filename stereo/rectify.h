@@ -11,8 +11,10 @@
 
 namespace cliquevo::stereo {
 
+// Which camera of the pair.
 enum class CameraSide { left, right };
 
+// From images as grabbed to images whose rows are epipolar lines.
 class Rectifier {
  public:
   // Where the calibration prescribes a rectification (R_rect, P_rect) that one is used; otherwise one is computed

@@ -19,7 +19,9 @@ struct RectifyParams {
   // middle, at 150 degrees fifteen times.
   static constexpr double kMostFovDeg = 120.0;
 
+  // Whether size and field of view are the calibration's own.
   bool native() const { return scale.value_or(1.0) == 1.0 && !fov_deg; }
+  // Names what is out of range.
   Result<void> check() const;
 };
 

@@ -11,7 +11,7 @@ enum class Prefilter { none, xsobel, gradients };
 
 // Everything that steers the dense stereo stage. Defaults are the shipped ones, chosen in stereo/README.md.
 struct StereoParams {
-  Prefilter prefilter = Prefilter::gradients;
+  Prefilter prefilter = Prefilter::gradients;  // of what is compared
   int prefilter_cap = 31;        // x-Sobel is clipped to +-cap grey levels, 1..63: in J always, in matching with xsobel
   int window = 13;               // width of the SAD window, px, odd, 5..21
   int window_height = 7;         // its height, px, odd, 5..21: ground leans away, low windows follow it
@@ -25,6 +25,7 @@ struct StereoParams {
   int smoothing = 2;             // px to each side, 0..3: mean over known neighbours less than 1 px apart, 0 = off
   int workers = 1;               // threads over which rows are shared; the output does not depend on it
 
+  // Names what is out of range.
   Result<void> check() const;
 };
 

@@ -48,7 +48,7 @@ Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument
   if (!argument.channel.empty()) options.channel = argument.channel;
   options.side_by_side = options.side_by_side || argument.side_by_side;
   auto recording = drivers::open_recording(options);
-  if (recording) {
+  if (recording && argument.print_notes) {
     for (const std::string& note : (*recording)->info().calibration.notes)
       fmt::print(stderr, "calibration: {}\n", note);
   }

@@ -29,6 +29,7 @@ struct SourceArgument {
   std::string channel;  // empty = the log's only one
   bool side_by_side = false;
   bool swap_eyes = false;
+  bool print_notes = true;  // what was assumed in reading the calibration, on stderr
 
   // Whether any option was given that is for recordings alone.
   bool is_for_recordings() const {

@@ -17,14 +17,14 @@ namespace cliquevo {
 // A rectified stereo pair: rows are epipolar lines, f and cy are the same. Camera frame: Z forward, X right, Y down;
 // origin in the left camera. disparity d = u_left - u_right; Z = fx * baseline / (d + doffs).
 struct StereoModel {
-  int width = 0;   // px
-  int height = 0;  // px
-  double fx_px = 0.0;
-  double fy_px = 0.0;
-  double cx_px = 0.0;
-  double cy_px = 0.0;
-  double baseline_m = 0.0;
-  double doffs_px = 0.0;  // cx_right - cx_left
+  int width = 0;            // px
+  int height = 0;           // px
+  double fx_px = 0.0;       // focal length
+  double fy_px = 0.0;       // focal length
+  double cx_px = 0.0;       // principal point of the left image
+  double cy_px = 0.0;       // principal point of both images
+  double baseline_m = 0.0;  // from camera to camera
+  double doffs_px = 0.0;    // cx_right - cx_left
   // Rolling shutter: from the exposure of the first row to that of the last; the middle row's is the stamp. 0: all rows
   // at once.
   double readout_s = 0.0;
@@ -37,7 +37,9 @@ struct StereoModel {
   double depth_error_m(double z_m, double sigma_disparity_px) const {
     return z_m * z_m / (fx_px * baseline_m) * sigma_disparity_px;
   }
+  // Over the whole width.
   double horizontal_fov_rad() const;
+  // Over the whole height.
   double vertical_fov_rad() const;
   // Point in the left camera frame from left pixel and disparity.
   Eigen::Vector3d triangulate(double u, double v, double disparity_px) const {
@@ -50,8 +52,9 @@ struct StereoModel {
   }
 };
 
+// Lens models; see CameraCalibration::coefficients.
 enum class Distortion {
-  none,
+  none,              // a pinhole
   plumb_bob,         // k1 k2 p1 p2 [k3], as OpenCV
   rational,          // k1 k2 p1 p2 k3 k4 k5 k6, as OpenCV
   equidistant,       // Kannala-Brandt fisheye: k1 k2 k3 k4, as OpenCV's fisheye and Kalibr's "equidistant"
@@ -63,27 +66,28 @@ enum class Distortion {
 
 // One raw camera.
 struct CameraCalibration {
-  int width = 0;
-  int height = 0;
-  double fx_px = 0.0;
-  double fy_px = 0.0;
-  double cx_px = 0.0;
-  double cy_px = 0.0;
-  Distortion distortion = Distortion::none;
-  std::array<double, 8> coefficients{};  // unused ones are 0
-  std::array<double, 6> prism{};         // of Distortion::thin_prism
+  int width = 0;                             // px
+  int height = 0;                            // px
+  double fx_px = 0.0;                        // focal length
+  double fy_px = 0.0;                        // focal length
+  double cx_px = 0.0;                        // principal point
+  double cy_px = 0.0;                        // principal point
+  Distortion distortion = Distortion::none;  // of the lens
+  std::array<double, 8> coefficients{};      // unused ones are 0
+  std::array<double, 6> prism{};             // of Distortion::thin_prism
 };
 
 // Rectification that a calibration file prescribes (KITTI's R_rect and P_rect, ROS's R and P).
 struct PrescribedRectification {
-  Eigen::Matrix3d R_left = Eigen::Matrix3d::Identity();  // raw camera -> rectified camera
-  Eigen::Matrix3d R_right = Eigen::Matrix3d::Identity();
-  StereoModel model;
+  Eigen::Matrix3d R_left = Eigen::Matrix3d::Identity();   // raw camera -> rectified camera
+  Eigen::Matrix3d R_right = Eigen::Matrix3d::Identity();  // raw camera -> rectified camera
+  StereoModel model;                                      // the rectified pair
 };
 
+// Two raw cameras and how they sit to each other.
 struct StereoCalibration {
-  CameraCalibration left;
-  CameraCalibration right;
+  CameraCalibration left;                             // as it grabs
+  CameraCalibration right;                            // as it grabs
   RigidTransform T_right_left;                        // point in the left raw camera -> right raw camera
   double readout_s = 0.0;                             // rolling shutter, first row to last; 0: all rows at once
   bool rectified = false;                             // images already are: use `prescribed->model`, warp nothing

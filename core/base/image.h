@@ -14,12 +14,13 @@ namespace cliquevo {
 // A view of pixels somebody else owns. `stride` is in elements, not bytes, and may exceed `width`.
 template <typename T>
 struct ImageView {
-  T* data = nullptr;
-  int width = 0;
-  int height = 0;
-  std::ptrdiff_t stride = 0;
+  T* data = nullptr;          // first pixel
+  int width = 0;              // px
+  int height = 0;             // px
+  std::ptrdiff_t stride = 0;  // elements from row to row
 
   ImageView() = default;
+  // width x height pixels from data_ on; stride_ in elements, >= width_.
   ImageView(T* data_, int width_, int height_, std::ptrdiff_t stride_)
       : data(data_), width(width_), height(height_), stride(stride_) {}
   // A view of mutable pixels is also one of constant pixels.
@@ -27,10 +28,15 @@ struct ImageView {
   ImageView(const ImageView<U>& other)  // NOLINT(google-explicit-constructor)
       : data(other.data), width(other.width), height(other.height), stride(other.stride) {}
 
+  // Whether it has no pixels.
   bool empty() const { return data == nullptr || width <= 0 || height <= 0; }
+  // First pixel of a row, 0 <= y < height.
   T* row(int y) const { return data + y * stride; }
+  // One pixel; not checked.
   T& operator()(int x, int y) const { return row(y)[x]; }
+  // Whether the place is within.
   bool contains(int x, int y) const { return x >= 0 && y >= 0 && x < width && y < height; }
+  // Whether it has this size.
   bool same_size(int w, int h) const { return width == w && height == h; }
 };
 
@@ -39,11 +45,14 @@ struct ImageView {
 template <typename T>
 class Image {
  public:
+  // Bytes.
   static constexpr std::size_t kAlignment = 64;
 
   Image() = default;
+  // Its pixels are not set.
   Image(int width, int height) { resize(width, height); }
 
+  // Pixels are not kept.
   void resize(int width, int height) {
     const std::size_t per_line = kAlignment / sizeof(T);
     const std::size_t stride = (static_cast<std::size_t>(width) + per_line - 1) / per_line * per_line;
@@ -57,6 +66,7 @@ class Image {
     stride_ = static_cast<std::ptrdiff_t>(stride);
   }
 
+  // Every pixel.
   void fill(T value) {
     for (int y = 0; y < height_; ++y) {
       T* r = data_.get() + y * stride_;
@@ -64,6 +74,7 @@ class Image {
     }
   }
 
+  // Takes size and pixels of another one.
   void copy_from(ImageView<const T> source) {
     resize(source.width, source.height);
     for (int y = 0; y < height_; ++y) {
@@ -71,11 +82,17 @@ class Image {
     }
   }
 
+  // Valid until the next resize() or copy_from().
   ImageView<T> view() { return {data_.get(), width_, height_, stride_}; }
+  // Valid until the next resize() or copy_from().
   ImageView<const T> view() const { return {data_.get(), width_, height_, stride_}; }
+  // Valid until the next resize() or copy_from().
   ImageView<const T> cview() const { return {data_.get(), width_, height_, stride_}; }
+  // px
   int width() const { return width_; }
+  // px
   int height() const { return height_; }
+  // Whether it has no pixels.
   bool empty() const { return width_ <= 0 || height_ <= 0; }
 
  private:
@@ -92,6 +109,6 @@ class Image {
 
 // Disparity inside the program: int16, px × 16; this value means "unknown".
 inline constexpr std::int16_t kUnknownDisparity = -32768;
-inline constexpr int kDisparityScale = 16;
+inline constexpr int kDisparityScale = 16;  // a px
 
 }  // namespace cliquevo

@@ -4,6 +4,7 @@
 
 namespace cliquevo {
 
+// Instruction sets that kernels are written for.
 enum class Isa { reference, sse4, avx2, neon, avx512 };
 
 // The best this machine has, or what the environment variable CLIQUEVO_ISA (reference, sse4, avx2, avx512, neon)
@@ -11,6 +12,7 @@ enum class Isa { reference, sse4, avx2, neon, avx512 };
 Isa active_isa();
 // Whether the machine runs it (reference: always).
 bool isa_available(Isa isa);
+// "avx2"
 const char* isa_name(Isa isa);
 
 }  // namespace cliquevo

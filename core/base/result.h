@@ -10,11 +10,13 @@
 
 namespace cliquevo {
 
+// What went wrong, where, and what to do about it: three parts of one line.
 struct Error {
   std::string what;    // "cannot read image"
   std::string where;   // "/data/run1/image_0/000012.png"
   std::string remedy;  // "copy the recording again: the file is torn"
 
+  // "what: where: what to do"
   std::string line() const { return what + ": " + where + ": " + remedy; }
 };
 
@@ -22,40 +24,52 @@ struct Error {
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::move(value)) {}      // NOLINT(google-explicit-constructor)
+  // Success.
+  Result(T value) : state_(std::move(value)) {}  // NOLINT(google-explicit-constructor)
+  // Failure.
   Result(Error error) : state_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
+  // Whether there is a value. An error is looked at only where there is none, and the other way round.
   bool ok() const { return std::holds_alternative<T>(state_); }
+  // ok()
   explicit operator bool() const { return ok(); }
+  // The value; only where ok().
   T& value() {
     assert(ok());
     return *std::get_if<T>(&state_);
   }
+  // The value; only where ok().
   const T& value() const {
     assert(ok());
     return *std::get_if<T>(&state_);
   }
+  // The error; only where not ok().
   const Error& error() const {
     assert(!ok());
     return *std::get_if<Error>(&state_);
   }
-  T* operator->() { return &value(); }
-  const T* operator->() const { return &value(); }
-  T& operator*() { return value(); }
-  const T& operator*() const { return value(); }
+  T* operator->() { return &value(); }              // value()
+  const T* operator->() const { return &value(); }  // value()
+  T& operator*() { return value(); }                // value()
+  const T& operator*() const { return value(); }    // value()
 
  private:
   std::variant<T, Error> state_;
 };
 
+// Success or an error.
 template <>
 class [[nodiscard]] Result<void> {
  public:
   Result() = default;
+  // Failure.
   Result(Error error) : error_(std::move(error)) {}  // NOLINT(google-explicit-constructor)
 
+  // Whether it succeeded.
   bool ok() const { return !error_.has_value(); }
+  // ok()
   explicit operator bool() const { return ok(); }
+  // The error; only where not ok().
   const Error& error() const {
     assert(!ok());
     return *error_;

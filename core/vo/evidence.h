@@ -7,6 +7,7 @@
 
 namespace cliquevo::vo {
 
+// What is checked of a frame's motion.
 enum class Check : std::uint8_t {
   inliers,         // too few features moved as one
   spread,          // they lie nearly on a line
@@ -20,22 +21,27 @@ enum class Check : std::uint8_t {
   uncertainty,     // by its covariance the motion is hardly known
   count
 };
-inline constexpr std::size_t kChecks = static_cast<std::size_t>(Check::count);
+inline constexpr std::size_t kChecks = static_cast<std::size_t>(Check::count);  // how many there are
 // "running ground"
 const char* check_name(Check check);
 
+// A check's value beside what is allowed.
 struct Evidence {
-  double value = 0.0;
-  double bound = 0.0;
-  bool applies = false;
+  double value = 0.0;    // what was found
+  double bound = 0.0;    // what is allowed
+  bool applies = false;  // whether there was anything to check
+  // Whether it applies and the value is above the bound.
   bool fails() const { return applies && !(value <= bound); }
   // value / bound: above 1 fails; 0 where the check does not apply.
   double ratio() const { return applies ? (bound > 0.0 ? value / bound : (value > 0.0 ? 1e9 : 0.0)) : 0.0; }
 };
 
+// The evidence of every check.
 class Checks {
  public:
+  // Of one check.
   Evidence& operator[](Check check) { return evidence_[static_cast<std::size_t>(check)]; }
+  // Of one check.
   const Evidence& operator[](Check check) const { return evidence_[static_cast<std::size_t>(check)]; }
   // Bit k: check k failed.
   std::uint32_t failed() const {

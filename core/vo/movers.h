@@ -13,15 +13,17 @@
 
 namespace cliquevo::vo {
 
-inline constexpr int kMostMovers = 4;
-inline constexpr int kMostMoverPoints = 32;
+inline constexpr int kMostMovers = 4;        // in a frame
+inline constexpr int kMostMoverPoints = 32;  // told of each
 
+// A matched point of a mover.
 struct MoverPoint {
-  float x_px = 0.0F;  // in the current left image
-  float y_px = 0.0F;
+  float x_px = 0.0F;                                // in the current left image
+  float y_px = 0.0F;                                // likewise
   Eigen::Vector3f point = Eigen::Vector3f::Zero();  // m, current camera's frame
 };
 
+// One rigid thing that moves otherwise than the world.
 struct Mover {
   int id = 0;               // the same object keeps it for as long as it is found again; rises, never used twice
   int frames = 0;           // in which it was found, this one included
@@ -35,21 +37,25 @@ struct Mover {
   double reprojection_error_px = 0.0;                      // RMS
   int inliers = 0;                                         // matches that move so
   int points = 0;                                          // of these, listed below
-  std::array<MoverPoint, kMostMoverPoints> point = {};
+  std::array<MoverPoint, kMostMoverPoints> point = {};     // the first `points` of them
 };
 
 // Of one frame; none where its own motion is not valid.
 struct Movers {
-  TimestampNs stamp_ns = 0;
-  TimestampNs prev_stamp_ns = 0;  // of the frame that the motions are measured from
-  int count = 0;
-  std::array<Mover, kMostMovers> mover = {};
+  TimestampNs stamp_ns = 0;                   // of the frame
+  TimestampNs prev_stamp_ns = 0;              // of the frame that the motions are measured from
+  int count = 0;                              // of movers
+  std::array<Mover, kMostMovers> mover = {};  // the first `count` of them
 };
 
 // Something that stood still in the view for many frames in which the world behind it moved. A mask should cover it.
 struct VehiclePart {
   int frames = 0;  // in which it was found so since the start; 0 = nothing found
-  double left_px = 0.0, top_px = 0.0, right_px = 0.0, bottom_px = 0.0;  // around its points
+  // Around its points.
+  double left_px = 0.0;    // least column
+  double top_px = 0.0;     // least row
+  double right_px = 0.0;   // largest column
+  double bottom_px = 0.0;  // largest row
 };
 
 // One sentence; empty where nothing was found.

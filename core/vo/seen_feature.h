@@ -6,6 +6,7 @@
 
 namespace cliquevo::vo {
 
+// What became of a feature.
 enum class FeatureRole : std::uint8_t {
   inlier = 0,     // the motion rests on it; seen in the frame before
   of_key = 1,     // likewise; seen in the kept older frame
@@ -15,14 +16,15 @@ enum class FeatureRole : std::uint8_t {
   corner = 5,     // nothing to compare it with
 };
 
+// A feature and what became of it.
 struct SeenFeature {
-  float x_px = 0.0F;  // in the left image
-  float y_px = 0.0F;
-  float from_x_px = 0.0F;  // in the image that it was compared with
-  float from_y_px = 0.0F;
-  float disparity_px = 0.0F;
-  float error_px = 0.0F;  // of an inlier or outlier
-  FeatureRole role = FeatureRole::corner;
+  float x_px = 0.0F;                       // in the left image
+  float y_px = 0.0F;                       // in the left image
+  float from_x_px = 0.0F;                  // in the image that it was compared with
+  float from_y_px = 0.0F;                  // in the image that it was compared with
+  float disparity_px = 0.0F;               // of the left image
+  float error_px = 0.0F;                   // of an inlier or outlier
+  FeatureRole role = FeatureRole::corner;  // what became of it
 };
 
 }  // namespace cliquevo::vo

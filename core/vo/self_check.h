@@ -5,39 +5,14 @@
 #pragma once
 
 #include <array>
-#include <string>
 
 #include <Eigen/Core>
 
 #include "core/base/camera_model.h"
+#include "core/vo/calibration_check.h"
 #include "core/vo/vo_params.h"
 
 namespace cliquevo::vo {
-
-// Errors of the right image against the rectification, with their standard deviations.
-struct CalibrationCheck {
-  int frames = 0;  // that contributed
-  // Row in the right image less row in the left one: at the principal point, and by how much it grows over the whole
-  // width and the whole height of the image; the largest error in those parts of the image where features were seen.
-  double vertical_px = 0.0;
-  double vertical_across_px = 0.0;
-  double vertical_down_px = 0.0;
-  double vertical_most_px = 0.0;
-  double vertical_sigma_px = 0.0;
-  // By how much disparities at the principal point are too large.
-  double disparity_offset_px = 0.0;
-  double disparity_offset_sigma_px = 0.0;
-  // The rotation of the right camera about its x, y and z axes that would explain these errors.
-  Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();
-  Eigen::Vector3d rotation_sigma_deg = Eigen::Vector3d::Zero();
-  bool compensated = false;  // the odometry corrects for it
-
-  // Significant, and large enough to be worth a new calibration.
-  bool noticeable() const;
-};
-
-// One sentence, with the suggested correction where there is one.
-std::string describe(const CalibrationCheck& check);
 
 class SelfCheck {
  public:

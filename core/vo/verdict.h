@@ -16,6 +16,7 @@ enum class Status : std::int8_t {
   ambiguous = 5,           // a second motion is well supported, or much of the picture speaks against the one found
   weak = 6,                // a motion was found, but by its own covariance it is hardly known
 };
+// "too few features"
 const char* status_name(Status status);
 
 // That of the first check that fails, in the order of the table; valid where none does.

@@ -10,10 +10,10 @@
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
 #include "core/base/time.h"
+#include "core/vo/calibration_check.h"
 #include "core/vo/evidence.h"
 #include "core/vo/movers.h"
 #include "core/vo/seen_feature.h"
-#include "core/vo/self_check.h"
 #include "core/vo/step_times.h"
 #include "core/vo/verdict.h"
 #include "core/vo/vo_params.h"
@@ -22,7 +22,7 @@ namespace cliquevo::vo {
 
 // Step A1. All views have the size of the StereoModel and stay valid during process() only.
 struct FrameInput {
-  TimestampNs stamp_ns = 0;
+  TimestampNs stamp_ns = 0;                     // of the exposure; rises
   ImageView<const std::uint8_t> left;           // rectified
   ImageView<const std::uint8_t> right;          // rectified
   ImageView<const std::uint8_t> filtered_left;  // the paper's J
@@ -33,14 +33,14 @@ struct FrameInput {
 // frames the next valid estimate spans the gap. On failure it is the identity, the covariance is large, and only the
 // pose moves on by the stated guess.
 struct Estimate {
-  Status status = Status::no_data;
-  TimestampNs stamp_ns = 0;
-  TimestampNs prev_stamp_ns = 0;
-  RigidTransform T_prev_cur;
+  Status status = Status::no_data;  // the verdict
+  TimestampNs stamp_ns = 0;         // of this frame
+  TimestampNs prev_stamp_ns = 0;    // of the last valid frame
+  RigidTransform T_prev_cur;        // motion since then
   // Of [translation m, rotation vector rad], perturbing T_prev_cur on the left (see perturb_left).
   Matrix6d covariance = Matrix6d::Identity();
-  RigidTransform T_world_camera;  // pose in the first frame; carries the guess after a failure
-  int features = 0;
+  RigidTransform T_world_camera;       // pose in the first frame; carries the guess after a failure
+  int features = 0;                    // corners with known depth
   int matches = 0;                     // co-occurring minima
   int clique = 0;                      // size of the greedy clique
   int inliers = 0;                     // that the final solution rests on
@@ -51,19 +51,21 @@ struct Estimate {
   // What this frame alone shows of an error common to all disparities, as compensated: how much too large, and the
   // inverse variance of that figure by noise alone (0: nothing).
   double disparity_offset_px = 0.0;
-  double disparity_offset_information = 0.0;
+  double disparity_offset_information = 0.0;  // 1 / px^2
   // By how much this frame's disparities alone were found too large (a rig that flexes), and the camera's usual width
   // of that; the reprojection error that its measured noise makes expected.
   double disparity_shift_px = 0.0;
-  double disparity_shift_sigma_px = 0.0;
-  double expected_error_px = 0.0;
-  CalibrationCheck calibration;  // what is known of its errors up to this frame
-  VehiclePart vehicle_part;      // found in the view up to this frame
-  StepTimes times;
+  double disparity_shift_sigma_px = 0.0;  // its usual width
+  double expected_error_px = 0.0;         // reprojection error
+  CalibrationCheck calibration;           // what is known of its errors up to this frame
+  VehiclePart vehicle_part;               // found in the view up to this frame
+  StepTimes times;                        // where the time went
 };
 
+// From rectified pairs with their disparity to poses. One thread at a time.
 class VisualOdometry {
  public:
+  // Fails on a model or parameters that cannot be.
   static Result<VisualOdometry> make(const StereoModel& model, const VoParams& params);
   VisualOdometry(VisualOdometry&&) noexcept;
   VisualOdometry& operator=(VisualOdometry&&) noexcept;
@@ -74,6 +76,7 @@ class VisualOdometry {
   // One frame. An Error means unusable input (empty or wrongly sized views, a stamp that does not advance): the state
   // is as before the call. Everything else is a verdict in the estimate. Allocates nothing after the first frames.
   Result<void> process(const FrameInput& frame);
+  // Of the last process().
   const Estimate& estimate() const;
   // What else moved in the last frame.
   const Movers& movers() const;

@@ -5,9 +5,12 @@
 
 namespace cliquevo::vo {
 
-enum class Consistency { fixed, range_aware };        // step A4's test on mutual distances
-enum class AfterFailure { hold, constant_velocity };  // what the pose does on a failed frame
-enum class CornerImage { filtered, intensity };       // where step A2 looks for corners
+// Step A4's test on mutual distances.
+enum class Consistency { fixed, range_aware };
+// What the pose does on a failed frame.
+enum class AfterFailure { hold, constant_velocity };
+// Where step A2 looks for corners.
+enum class CornerImage { filtered, intensity };
 
 // Everything that steers the odometry. Defaults are the shipped ones: one set for every vehicle.
 struct VoParams {
@@ -16,7 +19,7 @@ struct VoParams {
   int cell_px = 32;              // side of the cells over which features are spread, 16..256
   int corner_threshold = 20;     // FAST threshold to begin with, grey levels, 1..128; adapts to the picture
   int min_corner_threshold = 4;  // it never falls below this: weaker corners are noise
-  CornerImage corner_image = CornerImage::intensity;
+  CornerImage corner_image = CornerImage::intensity;  // where corners are looked for
   int descriptor_window = 7;  // side of the descriptor, px: 5, 7, 9 or 11 (7 x 7 less its centre = 48 bytes)
 
   // A4, clique
@@ -55,8 +58,9 @@ struct VoParams {
 
   int min_mover_points = 6;  // matches that an object must have to count as a mover
 
-  AfterFailure after_failure = AfterFailure::constant_velocity;
+  AfterFailure after_failure = AfterFailure::constant_velocity;  // what the pose does on a failed frame
 
+  // Names what is out of range.
   Result<void> check() const;
 };
 

@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "stereo/usable_area.h"
+
 namespace cliquevo::daemon {
 
 namespace {
@@ -11,41 +13,6 @@ namespace {
 using drivers::SourceInfo;
 using drivers::StereoPair;
 using stereo::CameraSide;
-
-// Where the rectified image shows anything that may be used: not the vehicle's own parts, not beyond the raw image's
-// edge. Empty: everywhere.
-Result<Image<std::uint8_t>> usable_area(const stereo::Rectifier& rectifier, CameraSide side,
-                                        ImageView<const std::uint8_t> mask, const CameraCalibration& raw) {
-  Image<std::uint8_t> everything;
-  if (mask.empty()) {
-    everything.resize(raw.width, raw.height);
-    everything.fill(255);
-    mask = everything.cview();
-  }
-  Image<std::uint8_t> area(rectifier.model().width, rectifier.model().height);
-  if (auto ok = rectifier.rectify_mask(side, mask, area.view()); !ok) return ok.error();
-  const ImageView<const std::uint8_t> view = area.cview();
-  for (int y = 0; y < view.height; ++y) {
-    for (int x = 0; x < view.width; ++x) {
-      if (view(x, y) == 0) return area;
-    }
-  }
-  return Image<std::uint8_t>{};
-}
-
-// Drops disparities whose right pixel must not be used: no feature, then, rests on it.
-void apply_right_mask(ImageView<const std::uint8_t> mask, ImageView<std::int16_t> disparity) {
-  constexpr int kHalf = kDisparityScale / 2;
-  for (int y = 0; y < disparity.height; ++y) {
-    std::int16_t* d = disparity.row(y);
-    const std::uint8_t* usable = mask.row(y);
-    for (int x = 0; x < disparity.width; ++x) {
-      if (d[x] == kUnknownDisparity) continue;
-      const int right_x = x - ((d[x] + kHalf) >> 4);
-      if (right_x >= 0 && right_x < disparity.width && usable[right_x] == 0) d[x] = kUnknownDisparity;
-    }
-  }
-}
 
 Error wrong_size(const char* side, std::int64_t index, const Image<std::uint8_t>& image,
                  const CameraCalibration& wanted) {
@@ -65,7 +32,8 @@ Result<StereoStage> StereoStage::make(const stereo::StereoParams& params, const 
   if (!rectifier) return rectifier.error();
   auto dense = stereo::DenseStereo::make(params, rectifier->model().width, rectifier->model().height);
   if (!dense) return dense.error();
-  auto right_area = usable_area(*rectifier, CameraSide::right, source.right_mask.cview(), source.calibration.right);
+  auto right_area =
+      stereo::usable_area(*rectifier, CameraSide::right, source.right_mask.cview(), source.calibration.right);
   if (!right_area) return right_area.error();
   StereoStage stage(source.calibration, std::move(*rectifier), std::move(*dense));
   stage.right_mask_ = std::move(*right_area);
@@ -94,7 +62,7 @@ Result<void> StereoStage::run(const StereoPair& pair, StereoFrame& frame) {
   auto done =
       dense_.compute(frame.left.cview(), frame.right.cview(), frame.filtered_left.view(), frame.disparity.view());
   if (!done) return done;
-  if (!right_mask_.empty()) apply_right_mask(right_mask_.cview(), frame.disparity.view());
+  if (!right_mask_.empty()) stereo::drop_unusable(right_mask_.cview(), frame.disparity.view());
   frame.times = {rectified_ns - begin_ns, monotonic_ns() - rectified_ns, 0};
   return {};
 }
@@ -105,7 +73,8 @@ Result<OdometryStage> OdometryStage::make(const vo::VoParams& params, const Sour
                                           const StereoStage& stereo) {
   auto odometry = vo::VisualOdometry::make(stereo.model(), params);
   if (!odometry) return odometry.error();
-  auto area = usable_area(stereo.rectifier(), CameraSide::left, source.left_mask.cview(), source.calibration.left);
+  auto area =
+      stereo::usable_area(stereo.rectifier(), CameraSide::left, source.left_mask.cview(), source.calibration.left);
   if (!area) return area.error();
   if (!area->empty()) {
     if (auto ok = odometry->set_mask(area->cview()); !ok) return ok.error();

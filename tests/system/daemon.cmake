@@ -4,8 +4,10 @@ if(TARGET cliquevod)
   cliquevo_add_system_test(test_system_daemon SOURCES daemon_test.cpp DEPENDS cliquevod cliquevo)
 endif()
 if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
-  cliquevo_add_system_test(test_system_install SOURCES install_test.cpp
-    DEPENDS cliquevod cliquevo cliquevo_base cliquevo_stereo cliquevo_vo)
+  # One of its cases compiles the library once more, as a part of another project.
+  cliquevo_add_test(test_system_install system SOURCES install_test.cpp TIMEOUT 1500
+    DEPENDS cliquevod cliquevo cliquevo_odometry cliquevo_headers_verify_interface_header_sets
+    ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
   target_compile_definitions(test_system_install PRIVATE
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()
@@ -18,7 +20,7 @@ endif()
 # The package and its unit in a booted container.
 if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
   cliquevo_add_system_test(test_system_service SOURCES service_test.cpp booted_root.cpp
-    LIBRARIES cliquevo_lcmtypes fmt::fmt DEPENDS cliquevod cliquevo cliquevo_base cliquevo_stereo cliquevo_vo)
+    LIBRARIES cliquevo_lcmtypes fmt::fmt DEPENDS cliquevod cliquevo cliquevo_odometry)
   target_compile_definitions(test_system_service PRIVATE
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()
@@ -29,4 +31,9 @@ if(TARGET cliquevod)
     DEPENDS cliquevod TIMEOUT 900 ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
   cliquevo_add_test(test_large_sensor bench SOURCES large_sensor_test.cpp LIBRARIES fmt::fmt nlohmann_json::nlohmann_json
     DEPENDS cliquevod cliquevo TIMEOUT 900 ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
+endif()
+find_program(CLIQUEVO_DOXYGEN doxygen)
+if(CLIQUEVO_DOXYGEN)
+  add_test(NAME Doc.EveryPublicMemberIsDescribed COMMAND ${CLIQUEVO_DOXYGEN} ${PROJECT_BINARY_DIR}/Doxyfile)
+  set_tests_properties(Doc.EveryPublicMemberIsDescribed PROPERTIES LABELS system TIMEOUT 300)
 endif()
