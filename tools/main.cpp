@@ -51,6 +51,7 @@ int run(int argc, char** argv) {
   add_hil_command(app, exit_code);
 #endif
   add_mavlink_command(app, exit_code);
+  add_ros2_command(app, exit_code);
   add_config_command(app, exit_code);
   add_ctl_command(app, exit_code);
   add_doctor_command(app, exit_code);
