@@ -32,7 +32,7 @@ void Output::take(const PublishedFrame& frame) {
     feature_tap.give_back();
   }
   if (const TappedImages* images = tap.take()) {  // after the pose: nobody steers by a picture
-    taken = publisher.publish(*images) && taken;
+    taken = publisher.publish(*images, model) && taken;
     tap.give_back();
   }
   if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {

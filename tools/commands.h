@@ -13,6 +13,9 @@ void add_replay_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
 void add_config_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);
+void add_info_command(CLI::App& app, int& exit_code);
+void add_mavlink_command(CLI::App& app, int& exit_code);
+void add_ros2_command(CLI::App& app, int& exit_code);
 void add_disparity_command(CLI::App& app, int& exit_code);
 void add_view_command(CLI::App& app, int& exit_code, const std::string& version);
 

@@ -12,9 +12,11 @@
 #include "drivers/recorder.h"
 #include "stereo/rectify.h"
 #include "tools/exit_code.h"
+#include "tools/logged_poses.h"
 #include "tools/progress.h"
 #include "tools/record.h"
 #include "tools/recording_folder.h"
+#include "tools/ros2_bag.h"
 #include "tools/skipped_pairs.h"
 #include "tools/source_argument.h"
 #include "tools/stop_on_signal.h"
@@ -28,7 +30,8 @@ namespace fs = std::filesystem;
 struct ConvertArguments {
   SourceArgument source;
   std::string out;
-  std::string to;  // empty = by `out` and the source
+  std::string config;  // where the camera sits
+  std::string to;      // empty = by `out` and the source
 };
 
 // Where the pairs go.
@@ -53,6 +56,36 @@ class LogTarget final : public Target {
  private:
   drivers::Recorder recorder_;
   const drivers::SourceInfo& info_;
+};
+
+// Pairs, and what the log has of the way between them.
+class BagTarget final : public Target {
+ public:
+  BagTarget(Ros2Bag bag, LoggedPoses logged) : bag_(std::move(bag)), logged_(std::move(logged)) {}
+  Result<void> add(const drivers::StereoPair& pair) override {
+    if (auto ok = bag_.add(pair); !ok) return ok;
+    return add_poses(pair.stamp_ns / 1000);
+  }
+  Result<void> finish() override {
+    if (auto ok = add_poses(INT64_MAX); !ok) return ok;
+    return bag_.finish();
+  }
+
+ private:
+  Result<void> add_poses(std::int64_t up_to) {
+    for (; odometry_ < logged_.odometry.size() && logged_.odometry[odometry_].utime <= up_to; ++odometry_) {
+      if (auto ok = bag_.add(logged_.odometry[odometry_]); !ok) return ok;
+    }
+    for (; poses_ < logged_.poses.size() && logged_.poses[poses_].utime <= up_to; ++poses_) {
+      if (auto ok = bag_.add(logged_.poses[poses_]); !ok) return ok;
+    }
+    return {};
+  }
+
+  Ros2Bag bag_;
+  LoggedPoses logged_;
+  std::size_t odometry_ = 0;
+  std::size_t poses_ = 0;
 };
 
 class FolderTarget final : public Target {
@@ -80,19 +113,25 @@ class FolderTarget final : public Target {
 std::string target_form(const ConvertArguments& arguments, const drivers::SourceInfo& info) {
   if (!arguments.to.empty()) return arguments.to;
   if (fs::path(arguments.out).extension() == ".lcm") return "log";
+  if (fs::path(arguments.out).extension() == ".mcap") return "mcap";
   return info.calibration.rectified ? "kitti" : "euroc";
 }
 
-Result<std::unique_ptr<Target>> make_target(const ConvertArguments& arguments, const drivers::SourceInfo& info) {
-  const std::string form = target_form(arguments, info);
-  if (form == "log") {
-    drivers::RecorderOptions options;
-    options.path = arguments.out;
-    options.wait_when_full = true;
-    auto recorder = drivers::Recorder::start(options, info);
-    if (!recorder) return recorder.error();
-    return std::unique_ptr<Target>(std::make_unique<LogTarget>(std::move(*recorder), info));
+Result<std::unique_ptr<Target>> make_bag(const ConvertArguments& arguments, const drivers::SourceInfo& info) {
+  daemon::Config config = daemon::default_config();
+  if (!arguments.config.empty()) {
+    auto read = daemon::read_config(arguments.config);
+    if (!read) return read.error();
+    config = std::move(*read);
   }
+  auto bag = Ros2Bag::create(arguments.out, info, config.T_body_camera);
+  if (!bag) return bag.error();
+  return std::unique_ptr<Target>(
+      std::make_unique<BagTarget>(std::move(*bag), read_logged_poses(arguments.source.text)));
+}
+
+Result<std::unique_ptr<Target>> make_folder(const ConvertArguments& arguments, const drivers::SourceInfo& info,
+                                            const std::string& form) {
   StereoCalibration calibration = info.calibration;
   std::optional<stereo::Rectifier> rectifier;
   if (form == "kitti" && !calibration.rectified) {
@@ -117,6 +156,19 @@ Result<std::unique_ptr<Target>> make_target(const ConvertArguments& arguments, c
   return std::unique_ptr<Target>(std::make_unique<FolderTarget>(std::move(*folder), std::move(rectifier)));
 }
 
+Result<std::unique_ptr<Target>> make_target(const ConvertArguments& arguments, const drivers::SourceInfo& info) {
+  const std::string form = target_form(arguments, info);
+  if (form == "log") {
+    drivers::RecorderOptions options;
+    options.path = arguments.out;
+    options.wait_when_full = true;
+    auto recorder = drivers::Recorder::start(options, info);
+    if (!recorder) return recorder.error();
+    return std::unique_ptr<Target>(std::make_unique<LogTarget>(std::move(*recorder), info));
+  }
+  if (form == "mcap") return make_bag(arguments, info);
+  return make_folder(arguments, info, form);
+}
 int run(const ConvertArguments& arguments) {
   if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
   auto source = open_source(arguments.source, daemon::default_config().source);
@@ -167,16 +219,20 @@ int run(const ConvertArguments& arguments) {
 
 void add_convert_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<ConvertArguments>();
-  CLI::App* convert = app.add_subcommand("convert", "Turn a recording into an LCM log, a KITTI or an EuRoC folder");
+  CLI::App* convert =
+      app.add_subcommand("convert", "Turn a recording into an LCM log, an MCAP, a KITTI or an EuRoC folder");
   convert->add_option("SOURCE", arguments->source.text, "A recording (folder or log), sim, or sim:key=value,...")
       ->required();
-  convert->add_option("OUT", arguments->out, "New log (FILE.lcm) or folder")->required();
+  convert->add_option("OUT", arguments->out, "New log (FILE.lcm), bag (FILE.mcap) or folder")->required();
   convert
-      ->add_option("--to", arguments->to,
-                   "log, kitti (rectified pairs), or euroc (as grabbed); default: by OUT's name, else by what the "
-                   "source holds")
-      ->check(CLI::IsMember({"log", "kitti", "euroc"}))
+      ->add_option(
+          "--to", arguments->to,
+          "log, mcap, kitti (rectified pairs), or euroc (as grabbed); default: by OUT's name, else by what the "
+          "source holds")
+      ->check(CLI::IsMember({"log", "mcap", "kitti", "euroc"}))
       ->type_name("FORM");
+  convert->add_option("--config", arguments->config, "Of an MCAP: where the camera sits on the body (section body)")
+      ->type_name("FILE");
   add_calibration_options(*convert, arguments->source);
   convert
       ->add_option_function<double>(
@@ -188,6 +244,7 @@ void add_convert_command(CLI::App& app, int& exit_code) {
   convert->footer(
       "Pixels and stamps are kept as they are, but for kitti, which is rectified on the way where it must be.\n"
       "Examples:\n"
+      "  cliquevo convert drive.lcm drive.mcap\n"
       "  cliquevo convert drive.lcm drive_euroc\n"
       "  cliquevo convert drive.lcm drive_kitti --to kitti\n"
       "  cliquevo convert /data/indoor indoor.lcm");

@@ -41,6 +41,7 @@ int run(int argc, char** argv) {
       "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 asked-for strictness not met.\n"
       "`cliquevo COMMAND --help` tells each command's options, with examples.");
   add_replay_command(app, exit_code);
+  add_info_command(app, exit_code);
   add_disparity_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_compare_command(app, exit_code);
@@ -55,6 +56,8 @@ int run(int argc, char** argv) {
 #ifdef CLIQUEVO_CALIBRATE
   add_calibrate_command(app, exit_code);
 #endif
+  add_mavlink_command(app, exit_code);
+  add_ros2_command(app, exit_code);
   add_config_command(app, exit_code);
   add_ctl_command(app, exit_code);
   add_doctor_command(app, exit_code);

@@ -2,7 +2,9 @@
 // cliquevo record: what a source delivers into an LCM event log.
 #include "tools/record.h"
 
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -11,6 +13,7 @@
 #include "daemon/pipeline/source.h"
 #include "drivers/describe.h"
 #include "drivers/recorder.h"
+#include "tools/bag_recorder.h"
 #include "tools/exit_code.h"
 #include "tools/progress.h"
 #include "tools/skipped_pairs.h"
@@ -34,13 +37,52 @@ struct RecordArguments {
   double wait_s = 0.0;
 };
 
-Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& arguments) {
-  daemon::Config config = daemon::default_config();
-  if (!arguments.config.empty()) {
-    auto read = daemon::read_config(arguments.config);
-    if (!read) return read.error();
-    config = std::move(*read);
+// An LCM log or an MCAP.
+class Target {
+ public:
+  static Result<Target> start(const RecordArguments& arguments, const daemon::Config& config,
+                              const drivers::SourceInfo& info) {
+    Target out;
+    if (std::filesystem::path(arguments.out).extension() == ".mcap") {
+      if (arguments.max_file_mb > 0 || arguments.max_total_mb > 0) {
+        return Error{"wrong usage", arguments.out, "--max-file-mb and --max-total-mb are for LCM logs"};
+      }
+      auto bag = BagRecorder::start(arguments.out, !info.live, info, config.T_body_camera);
+      if (!bag) return bag.error();
+      out.bag_ = std::move(*bag);
+      return out;
+    }
+    drivers::RecorderOptions options;
+    options.path = arguments.out;
+    options.max_total_bytes = arguments.max_total_mb * kMegabyte;
+    options.max_file_bytes = arguments.max_file_mb * kMegabyte;
+    if (options.max_file_bytes == 0 && options.max_total_bytes > 0)
+      options.max_file_bytes = options.max_total_bytes / 4;
+    options.wait_when_full = !info.live;
+    auto log = drivers::Recorder::start(options, info);
+    if (!log) return log.error();
+    out.log_ = std::move(*log);
+    return out;
   }
+
+  void add(const drivers::StereoPair& pair, const drivers::SourceInfo& info) {
+    if (bag_) bag_->add(pair);
+    if (log_) log_->add(pair, drivers::log_utime(info, pair));
+  }
+  std::optional<Error> failure() const { return bag_ ? bag_->failure() : log_->failure(); }
+  Result<void> stop() { return bag_ ? bag_->stop() : log_->stop(); }
+  drivers::RecorderCounts counts() const { return bag_ ? bag_->counts() : log_->counts(); }
+
+ private:
+  std::optional<BagRecorder> bag_;
+  std::optional<drivers::Recorder> log_;
+};
+
+Result<daemon::Config> config_of(const RecordArguments& arguments) {
+  return arguments.config.empty() ? daemon::default_config() : daemon::read_config(arguments.config);
+}
+
+Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& arguments, const daemon::Config& config) {
   if (!arguments.source.text.empty()) return open_source(arguments.source, config.source);
   return daemon::open_source_within(config.source, arguments.wait_s, StopOnSignal::asked);
 }
@@ -51,17 +93,13 @@ int run(const RecordArguments& arguments) {
   }
   if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
   const StopOnSignal signals;
-  auto source = open(arguments);
+  const auto config = config_of(arguments);
+  if (!config) return report(config.error());
+  auto source = open(arguments, *config);
   if (!source) return report(source.error());
   const drivers::SourceInfo& info = (*source)->info();
-  drivers::RecorderOptions options;
-  options.path = arguments.out;
-  options.max_total_bytes = arguments.max_total_mb * kMegabyte;
-  options.max_file_bytes = arguments.max_file_mb * kMegabyte;
-  if (options.max_file_bytes == 0 && options.max_total_bytes > 0) options.max_file_bytes = options.max_total_bytes / 4;
-  options.wait_when_full = !info.live;
-  auto recorder = drivers::Recorder::start(options, info);
-  if (!recorder) return report(recorder.error());
+  auto recorder = Target::start(arguments, *config, info);
+  if (!recorder) return report(recorder.error(), recorder.error().what == "wrong usage" ? kWrongUsage : kBadInput);
   fmt::print("{}\n", drivers::describe_source(info));
   std::fflush(stdout);
 
@@ -88,7 +126,7 @@ int run(const RecordArguments& arguments) {
     if (!info.live && arguments.speed > 0.0) StopOnSignal::sleep_until(pacer.due_ns(pair.stamp_ns, monotonic_ns()));
     if (!first_ns) first_ns = pair.stamp_ns;
     if (arguments.seconds > 0.0 && static_cast<double>(pair.stamp_ns - *first_ns) * 1e-9 >= arguments.seconds) break;
-    recorder->add(pair, drivers::log_utime(info, pair));
+    recorder->add(pair, info);
     progress.update(++count, 0.0, "recorded");
     error = recorder->failure();
   }
@@ -106,12 +144,12 @@ int run(const RecordArguments& arguments) {
 
 void add_record_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<RecordArguments>();
-  CLI::App* record = app.add_subcommand("record", "Write what a source delivers into an LCM event log");
+  CLI::App* record = app.add_subcommand("record", "Write what a source delivers into an LCM event log or an MCAP");
   record->add_option("SOURCE", arguments->source.text,
                      "A recording, sim, or sim:key=value,...; left out: the configuration's source (cameras)");
-  record->add_option("--out", arguments->out, "New log; other LCM tools expect a name on .lcm")
+  record->add_option("--out", arguments->out, "New LCM log, or MCAP for ROS 2's tools by its name's ending")
       ->required()
-      ->type_name("FILE.lcm");
+      ->type_name("FILE.lcm|mcap");
   record->add_option("--config", arguments->config, "Configuration with the source")->type_name("FILE");
   record->add_option("--max-file-mb", arguments->max_file_mb, "Begin a new file (FILE-000.lcm, ...) at this size")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))

@@ -30,6 +30,17 @@ Result<std::unique_ptr<drivers::FrameSource>> open_simulated(const SourceArgumen
 
 Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument& argument,
                                                             const daemon::SourceConfig& config) {
+  auto recording = drivers::open_recording(recording_options(argument, config));
+  if (recording && argument.print_notes) {
+    for (const std::string& note : (*recording)->info().calibration.notes)
+      fmt::print(stderr, "calibration: {}\n", note);
+  }
+  return recording;
+}
+
+}  // namespace
+
+drivers::RecordingOptions recording_options(const SourceArgument& argument, const daemon::SourceConfig& config) {
   drivers::RecordingOptions options = config.recording;
   options.path = argument.text;
   options.pingpong = false;
@@ -46,16 +57,10 @@ Result<std::unique_ptr<drivers::FrameSource>> open_recorded(const SourceArgument
   if (argument.pair_tolerance_s) options.pair_tolerance_s = argument.pair_tolerance_s;
   if (argument.bayer) options.bayer = *argument.bayer;
   if (!argument.channel.empty()) options.channel = argument.channel;
+  if (!argument.topics.empty()) options.topics = argument.topics;
   options.side_by_side = options.side_by_side || argument.side_by_side;
-  auto recording = drivers::open_recording(options);
-  if (recording && argument.print_notes) {
-    for (const std::string& note : (*recording)->info().calibration.notes)
-      fmt::print(stderr, "calibration: {}\n", note);
-  }
-  return recording;
+  return options;
 }
-
-}  // namespace
 
 void add_calibration_options(CLI::App& command, SourceArgument& source) {
   command.add_option("--calibration", source.calibration, "Calibration instead of the recording's own")
@@ -89,7 +94,7 @@ Result<void> check_source(const SourceArgument& argument) {
     if (argument.is_for_recordings()) {
       return Error{"wrong usage", argument.text,
                    "--calibration and its options, --rate, --first, --last, --every, --pair-tolerance, --bayer, "
-                   "--channel and --side-by-side "
+                   "--channel, --topics and --side-by-side "
                    "are for recordings; the simulator takes sim:frames=N,every=K,rate_hz=R"};
     }
     if (argument.text == kSimulator) return {};
@@ -113,6 +118,10 @@ Result<void> check_source(const SourceArgument& argument) {
 void add_recording_options(CLI::App& command, SourceArgument& argument) {
   command.add_option("--channel", argument.channel, "Of a log with several stereo channels: the one to play")
       ->type_name("NAME");
+  command
+      .add_option("--topics", argument.topics,
+                  "Of a bag: the images of both cameras, and their camera_info where it is not beside them")
+      ->type_name("LEFT,RIGHT[,LEFT_INFO,RIGHT_INFO]");
   command.add_flag("--side-by-side", argument.side_by_side,
                    "Each image of the folder holds the left and the right one, side by side");
   command.add_flag("--swap-eyes", argument.swap_eyes, "Left and right are exchanged in the recording: put them right");

@@ -27,6 +27,7 @@ struct SourceArgument {
   std::optional<double> pair_tolerance_s;
   std::optional<drivers::Bayer> bayer;
   std::string channel;  // empty = the log's only one
+  std::string topics;   // empty = the bag's, by types and names
   bool side_by_side = false;
   bool swap_eyes = false;
   bool print_notes = true;  // what was assumed in reading the calibration, on stderr
@@ -34,7 +35,7 @@ struct SourceArgument {
   // Whether any option was given that is for recordings alone.
   bool is_for_recordings() const {
     return !calibration.empty() || !calibration_options.empty() || rate_hz || first || last || every ||
-           pair_tolerance_s || bayer || !channel.empty() || side_by_side;
+           pair_tolerance_s || bayer || !channel.empty() || !topics.empty() || side_by_side;
   }
 };
 
@@ -45,8 +46,11 @@ bool is_simulator(const std::string& source);
 // Whether SOURCE and the options beside it make sense together; an error is one of usage.
 Result<void> check_source(const SourceArgument& argument);
 
-// --channel, --side-by-side and --swap-eyes, for every command with a SOURCE.
+// --channel, --topics, --side-by-side and --swap-eyes, for every command with a SOURCE.
 void add_recording_options(CLI::App& command, SourceArgument& argument);
+
+// What is asked of the recording that SOURCE names.
+drivers::RecordingOptions recording_options(const SourceArgument& argument, const daemon::SourceConfig& config);
 
 // What the command line leaves open, the configuration decides (its simulator for a bare `sim`, its calibration, masks
 // and so on for a recording). What was assumed in reading the calibration is printed on stderr.

@@ -2,10 +2,13 @@
 #include "daemon/lcm/messages.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include <Eigen/Geometry>
+#include <fmt/format.h>
 
 namespace cliquevo::daemon {
 
@@ -56,7 +59,8 @@ std::int64_t stamp_us(TimestampNs ns) { return ns == 0 ? 0 : floor_us(ns); }
 MessageBuilder::MessageBuilder(const RigidTransform& T_body_camera)
     : T_body_camera_(T_body_camera),
       T_camera_body_(T_body_camera.inverse()),
-      adjoint_body_camera_(adjoint(T_body_camera)) {}
+      adjoint_body_camera_(adjoint(T_body_camera)),
+      odometry_(T_body_camera) {}
 
 void MessageBuilder::build(const PublishedFrame& frame, TimestampNs publish_ns, FrameMessages& out) {
   const vo::Estimate& e = frame.estimate;
@@ -66,6 +70,7 @@ void MessageBuilder::build(const PublishedFrame& frame, TimestampNs publish_ns, 
   build_delta_body(e, out.delta, out.delta_body);
   build_pose(frame, motion_ok, out.pose);
   build_status(frame, publish_ns, out.status);
+  odometry_.build(frame, motion_ok, publish_ns, out.odometry);
   out.status.repaired = motion_ok && errors_ok ? 0 : 1;
   const bool moved_as_measured = e.status == vo::Status::valid || e.status == vo::Status::no_data;
   out.status.pose_is_guess = moved_as_measured && motion_ok ? 0 : 1;
@@ -284,7 +289,31 @@ std::uint8_t* begin_image(std::int64_t utime, int width, int height, int bytes_a
 
 }  // namespace
 
-void build_images(const TappedImages& images, images_t& out) {
+namespace {
+
+// The rectified camera, as decimal text under the names of its fields.
+void put_camera(const StereoModel& m, image_t& out) {
+  const std::array<std::pair<const char*, double>, 6> fields{{{"fx_px", m.fx_px},
+                                                              {"fy_px", m.fy_px},
+                                                              {"cx_px", m.cx_px},
+                                                              {"cy_px", m.cy_px},
+                                                              {"baseline_m", m.baseline_m},
+                                                              {"doffs_px", m.doffs_px}}};
+  out.nmetadata = static_cast<std::int32_t>(fields.size());
+  out.metadata.resize(fields.size());
+  for (std::size_t i = 0; i < fields.size(); ++i) {
+    std::array<char, 32> text{};
+    const auto end = fmt::format_to_n(text.data(), text.size(), "{:.17g}", fields[i].second).out;
+    image_metadata_t& entry = out.metadata[i];
+    entry.key = fields[i].first;
+    entry.value.assign(text.data(), end);
+    entry.n = static_cast<std::int32_t>(entry.value.size());
+  }
+}
+
+}  // namespace
+
+void build_images(const TappedImages& images, const StereoModel& model, images_t& out) {
   const std::int64_t utime = floor_us(images.stamp_ns);
   const int width = images.left.width();
   const int height = images.left.height();
@@ -294,6 +323,8 @@ void build_images(const TappedImages& images, images_t& out) {
   out.images.resize(2);
   std::uint8_t* left = begin_image(utime, width, height, 1, image_t::PIXEL_FORMAT_GRAY, out.images[0]);
   std::uint8_t* disparity = begin_image(utime, width, height, 2, image_t::PIXEL_FORMAT_LE_GRAY16, out.images[1]);
+  put_camera(model, out.images[0]);
+  put_camera(model, out.images[1]);
   for (int y = 0; y < height; ++y) {
     const std::uint8_t* grey = images.left.cview().row(y);
     left = std::copy(grey, grey + width, left);

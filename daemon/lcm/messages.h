@@ -8,6 +8,7 @@
 #include <cliquevo/features_t.hpp>
 #include <cliquevo/images_t.hpp>
 #include <cliquevo/movers_t.hpp>
+#include <cliquevo/odometry_t.hpp>
 #include <cliquevo/pose_t.hpp>
 #include <cliquevo/status_t.hpp>
 #include <cliquevo/update_t.hpp>
@@ -17,6 +18,7 @@
 #include "core/vo/visual_odometry.h"
 #include "daemon/lcm/feature_tap.h"
 #include "daemon/lcm/image_tap.h"
+#include "daemon/lcm/odometry_builder.h"
 #include "daemon/pipeline/published_frame.h"
 
 namespace cliquevo::daemon {
@@ -33,10 +35,11 @@ struct FrameMessages {
   update_t delta_body{};
   pose_t pose{};
   status_t status{};
+  odometry_t odometry{};
 };
 
-// Left image and disparity as VO_IMAGES sends them. Allocates the first time only.
-void build_images(const TappedImages& images, images_t& out);
+// Left image and disparity as VO_IMAGES sends them, with the camera they are of. Allocates the first time only.
+void build_images(const TappedImages& images, const StereoModel& model, images_t& out);
 
 // What moves by itself as VO_MOVERS sends it; a thing with a number that is not finite is left out.
 void build_movers(const vo::Movers& movers, movers_t& out);
@@ -72,6 +75,7 @@ class MessageBuilder {
   RigidTransform T_camera_body_;
   Matrix6d adjoint_body_camera_;
   std::optional<SentPose> last_;
+  OdometryBuilder odometry_;
 };
 
 }  // namespace cliquevo::daemon

@@ -60,6 +60,7 @@ struct Publisher::Impl {
         delta(config.delta_channel),
         pose(config.pose_channel),
         status(config.status_channel),
+        odometry(config.odometry_channel),
         delta_body(config.delta_body_channel),
         movers(config.movers_channel),
         features(config.features_channel),
@@ -74,6 +75,7 @@ struct Publisher::Impl {
   Channel<update_t> delta;
   Channel<pose_t> pose;
   Channel<status_t> status;
+  Channel<odometry_t> odometry;
   Channel<update_t> delta_body;
   Channel<movers_t> movers;
   movers_t movers_message{};
@@ -105,15 +107,16 @@ bool Publisher::publish(const PublishedFrame& frame) {
   const bool delta_sent = m.delta.send(*m.sender, m.copy, m.messages.delta);
   const bool pose_sent = m.pose.send(*m.sender, m.copy, m.messages.pose);
   const bool status_sent = m.status.send(*m.sender, m.copy, m.messages.status);
+  const bool odometry_sent = m.odometry.send(*m.sender, m.copy, m.messages.odometry);
   const bool delta_body_sent = m.delta_body.send(*m.sender, m.copy, m.messages.delta_body);
   if (m.movers.on()) build_movers(frame.movers, m.movers_message);
   const bool movers_sent = m.movers.send(*m.sender, m.copy, m.movers_message);
-  return delta_sent && pose_sent && status_sent && delta_body_sent && movers_sent;
+  return delta_sent && pose_sent && status_sent && odometry_sent && delta_body_sent && movers_sent;
 }
 
-bool Publisher::publish(const TappedImages& images) {
+bool Publisher::publish(const TappedImages& images, const StereoModel& model) {
   Impl& m = *impl_;
-  build_images(images, m.images_message);
+  build_images(images, model, m.images_message);
   return m.images.send(*m.sender, m.copy, m.images_message);
 }
 

@@ -30,7 +30,7 @@ class Publisher {
   // false: a message could not be sent.
   bool publish(const PublishedFrame& frame);
   // VO_IMAGES, from the thread that publishes frames.
-  bool publish(const TappedImages& images);
+  bool publish(const TappedImages& images, const StereoModel& model);
   // VO_FEATURES, likewise.
   bool publish(const TappedFeatures& features, const StereoModel& model);
   // VO_HEALTH; may be called from another thread than the one above.

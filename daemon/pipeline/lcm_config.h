@@ -12,6 +12,7 @@ struct LcmConfig {
   std::string delta_channel = "VO_DELTA_CAMERA";
   std::string pose_channel = "POSE_BODY";
   std::string status_channel = "VO_STATUS";
+  std::string odometry_channel = "VO_ODOMETRY";
   std::string delta_body_channel;  // empty = off, as all that are not required
   std::string images_channel;
   std::string movers_channel;
@@ -33,6 +34,8 @@ inline constexpr LcmChannel kLcmChannels[] = {
     {"delta_channel", &LcmConfig::delta_channel, true, "motion of the camera since the last valid frame"},
     {"pose_channel", &LcmConfig::pose_channel, true, "pose of the body where it started"},
     {"status_channel", &LcmConfig::status_channel, true, "status, counts, errors and times of each frame"},
+    {"odometry_channel", &LcmConfig::odometry_channel, false,
+     "pose and twist of the body with their covariances, for filters; empty = not sent"},
     {"delta_body_channel", &LcmConfig::delta_body_channel, false,
      "the camera's motion as the body's, e.g. VO_DELTA_BODY; empty = not sent"},
     {"images_channel", &LcmConfig::images_channel, false,

@@ -12,6 +12,11 @@
 
 namespace cliquevo::drivers {
 
+struct NamedText {
+  std::string path;
+  std::string text;
+};
+
 struct CalibrationRequest {
   std::string path;  // file or folder
   int width = 0;     // of the images, 0 = unknown
@@ -19,15 +24,13 @@ struct CalibrationRequest {
   int left_camera = 0;  // their numbers, where a file holds more than two cameras (KITTI's 0..3)
   int right_camera = 1;
   CalibrationOptions options;
+  std::vector<NamedText> texts;    // where it is in memory: the text of `path`, then of the other camera
+  std::vector<std::string> notes;  // what is to be said of it besides
 };
 
 Result<StereoCalibration> read_calibration(const CalibrationRequest& request);
 
 // A calibration may lie in more files than one. Returns the first of these paths that exists.
-struct NamedText {
-  std::string path;
-  std::string text;
-};
 using OtherFile = std::function<Result<NamedText>(const std::vector<std::string>& paths)>;
 
 // Any format, from memory.

@@ -175,8 +175,23 @@ Result<StereoCalibration> parse_calibration(const std::string& text, const Calib
   return unknown_format(file);
 }
 
+namespace {
+
+Result<StereoCalibration> read_from_memory(const CalibrationRequest& request) {
+  const auto other = [&](const std::vector<std::string>&) -> Result<NamedText> {
+    if (request.texts.size() > 1) return request.texts[1];
+    return Error{"calibration of the other camera is missing", request.path, "name one of both cameras"};
+  };
+  auto read = parse_calibration(request.texts.front().text, request, other);
+  if (read) read->notes.insert(read->notes.end(), request.notes.begin(), request.notes.end());
+  return read;
+}
+
+}  // namespace
+
 Result<StereoCalibration> read_calibration(const CalibrationRequest& request) {
   if (auto ok = request.options.check(); !ok) return ok.error();
+  if (!request.texts.empty()) return read_from_memory(request);
   std::error_code ec;
   CalibrationRequest file = request;
   if (fs::is_directory(request.path, ec)) {

@@ -3,6 +3,8 @@
 #pragma once
 
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "drivers/calibration/calibration.h"
@@ -40,6 +42,8 @@ Result<StereoCalibration> calibrate(const CalibrationRequest& request, PairStore
 
 // A log or a folder of logs (drivers/recording/log_recording.cpp).
 Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& files, const RecordingOptions& options);
+// A bag or a folder of bags (drivers/recording/bag_recording.cpp).
+Result<std::unique_ptr<FrameSource>> open_bags(const std::vector<std::string>& files, const RecordingOptions& options);
 // The logs that a path means: itself, or those in the folder; empty = it means something else.
 std::vector<std::string> find_logs(const std::string& path);
 

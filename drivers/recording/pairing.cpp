@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "core/base/saturating.h"
+
 namespace cliquevo::drivers {
 
 namespace {
@@ -77,12 +79,9 @@ Result<Pairing> pair_by_time(const Layout& layout, std::optional<double> pair_to
   const ImageList right_list = in_order(layout.right);
   const std::vector<TimestampNs> left = stamps_of(left_list);
   const std::vector<TimestampNs> right = stamps_of(right_list);
-  const auto tolerance =
-      pair_tolerance_s ? static_cast<std::int64_t>(std::llround(*pair_tolerance_s * 1e9)) : median_period_ns(left) / 4;
+  const std::int64_t tolerance = pair_tolerance_ns(pair_tolerance_s, left);
   Pairing pairing;
-  for (std::size_t i = 0; i < left.size(); ++i) {
-    const std::size_t j = nearest(right, left[i]);
-    if (nearest(left, right[j]) != i || std::abs(right[j] - left[i]) > tolerance) continue;
+  for (const auto& [i, j] : nearest_pairs(left, right, tolerance)) {
     pairing.pairs.push_back({left[i], left_list.images[i].path, right_list.images[j].path});
   }
   pairing.unpaired =
@@ -119,6 +118,22 @@ std::size_t common_names(const ImageList& a, const ImageList& b) {
 }
 
 }  // namespace
+
+std::vector<std::pair<std::size_t, std::size_t>> nearest_pairs(const std::vector<TimestampNs>& left,
+                                                               const std::vector<TimestampNs>& right,
+                                                               std::int64_t tolerance_ns) {
+  std::vector<std::pair<std::size_t, std::size_t>> pairs;
+  if (right.empty()) return pairs;
+  for (std::size_t i = 0; i < left.size(); ++i) {
+    const std::size_t j = nearest(right, left[i]);
+    if (nearest(left, right[j]) == i && saturated_distance(right[j], left[i]) <= tolerance_ns) pairs.emplace_back(i, j);
+  }
+  return pairs;
+}
+
+std::int64_t pair_tolerance_ns(std::optional<double> given_s, const std::vector<TimestampNs>& stamps) {
+  return given_s ? static_cast<std::int64_t>(std::llround(*given_s * 1e9)) : median_period_ns(stamps) / 4;
+}
 
 std::int64_t median_period_ns(const std::vector<TimestampNs>& stamps) {
   if (stamps.size() < 2) return 0;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/base/result.h"
@@ -28,6 +29,13 @@ struct Pairing {
 // whatever times there are. Errors: no times and no rate, no pair at all, names that do not match and no times.
 Result<Pairing> pair_images(const Layout& layout, std::optional<double> rate_hz,
                             std::optional<double> pair_tolerance_s);
+
+// Of stamps that rise strictly: positions of each left one and its mutually nearest right one within the tolerance.
+std::vector<std::pair<std::size_t, std::size_t>> nearest_pairs(const std::vector<TimestampNs>& left,
+                                                               const std::vector<TimestampNs>& right,
+                                                               std::int64_t tolerance_ns);
+// The tolerance that was given, else a quarter of the stamps' period [ns].
+std::int64_t pair_tolerance_ns(std::optional<double> given_s, const std::vector<TimestampNs>& stamps);
 
 // The stamp of pair i at a steady rate.
 TimestampNs stamp_at(std::size_t i, double rate_hz);

@@ -10,10 +10,12 @@
 #include "drivers/calibration/calibration.h"
 #include "drivers/images/image_reader.h"
 #include "drivers/images/masks.h"
+#include "drivers/recording/bag_set.h"
 #include "drivers/recording/image_survey.h"
 #include "drivers/recording/layout.h"
 #include "drivers/recording/pair_store.h"
 #include "drivers/recording/pairing.h"
+#include "drivers/recording/video_recording.h"
 #include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
@@ -133,6 +135,10 @@ std::string describe_layout(const Layout& layout, const Pairing& pairing) {
 
 Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& options) {
   if (const std::vector<std::string> logs = find_logs(options.path); !logs.empty()) return open_logs(logs, options);
+  if (const std::vector<std::string> bags = find_bags(options.path); !bags.empty()) return open_bags(bags, options);
+  const Result<VideoFiles> videos = find_videos(options.path);
+  if (!videos) return videos.error();
+  if (!videos->empty()) return open_videos(*videos, options);
   const Result<Layout> layout = find_layout(options.path, options.side_by_side);
   if (!layout) return layout.error();
   const Result<Pairing> pairing = pair_images(*layout, options.rate_hz, options.pair_tolerance_s);

@@ -25,7 +25,8 @@ void add_calibration_options(drivers::CalibrationOptions& options, KeyTable& t) 
 
 void add_recording_keys(drivers::RecordingOptions& recording, KeyTable& t) {
   t.section("source.recording", "pairs from disk");
-  t.file("path", recording.path, "folder (drivers/README.md lists the layouts), or an LCM event log");
+  t.file("path", recording.path,
+         "folder (drivers/README.md lists the layouts), LCM event log, bag (.mcap, .bag, .db3) or video");
   t.file("calibration", recording.calibration, "file or folder; empty = the recording's own");
   add_calibration_options(recording.calibration_options, t);
   t.number("rate_hz", recording.rate_hz, "Hz", above(0),
@@ -38,6 +39,8 @@ void add_recording_keys(drivers::RecordingOptions& recording, KeyTable& t) {
   t.flag("side_by_side", recording.side_by_side,
          "each image holds both cameras' pictures, left half and right half; detected where the halves match");
   t.text("channel", recording.channel, "of a log; empty = the only one with stereo pairs");
+  t.text("topics", recording.topics,
+         "of a bag: LEFT,RIGHT or LEFT,RIGHT,LEFT_INFO,RIGHT_INFO; empty = by types and names");
   t.file("left_mask", recording.left_mask,
          "image, 0 = the vehicle's own parts; empty = the recording's mask_left.png where there is one");
   t.file("right_mask", recording.right_mask, "the same for the right camera, mask_right.png");

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// ROS 2 messages in CDR, of what cliquevo has. Frames: odom, base_link (the body), camera_left_optical_frame.
+#pragma once
+
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <Eigen/Core>
+#include <cliquevo/odometry_t.hpp>
+#include <cliquevo/pose_t.hpp>
+
+#include "core/base/camera_model.h"
+#include "core/base/image.h"
+#include "core/base/rigid_transform.h"
+#include "drivers/bags/cdr_writer.h"
+
+namespace cliquevo::tools::ros2 {
+
+inline constexpr std::string_view kOdomFrame = "odom";
+inline constexpr std::string_view kBodyFrame = "base_link";
+inline constexpr std::string_view kLeftFrame = "camera_left_optical_frame";
+inline constexpr std::string_view kRightFrame = "camera_right_optical_frame";
+
+void put_image(TimestampNs stamp_ns, std::string_view frame, ImageView<const std::uint8_t> image,
+               drivers::CdrWriter& out);
+// R and P are the prescribed rectification's, zeros where there is none; of rectified images K is P's.
+void put_camera_info(TimestampNs stamp_ns, const StereoCalibration& calibration, bool left, drivers::CdrWriter& out);
+void put_odometry(const odometry_t& m, drivers::CdrWriter& out);
+void put_pose(TimestampNs stamp_ns, const Eigen::Vector3d& position, const Eigen::Vector4d& wxyz,
+              drivers::CdrWriter& out);
+void put_transform(TimestampNs stamp_ns, std::string_view frame, std::string_view child, const RigidTransform& T,
+                   drivers::CdrWriter& out);
+void put_points(TimestampNs stamp_ns, std::string_view frame, std::span<const Eigen::Vector3f> points,
+                drivers::CdrWriter& out);
+// What the odometry says of itself.
+void put_diagnostics(const odometry_t& m, drivers::CdrWriter& out);
+
+// The name of a verdict, as a sentence for people.
+std::string_view verdict_text(int status);
+RigidTransform pose_of(const odometry_t& m);
+
+}  // namespace cliquevo::tools::ros2
