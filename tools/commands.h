@@ -14,6 +14,11 @@ void add_eval_command(CLI::App& app, int& exit_code);
 void add_config_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);
 void add_disparity_command(CLI::App& app, int& exit_code);
+void add_echo_command(CLI::App& app, int& exit_code);
+void add_watch_command(CLI::App& app, int& exit_code);
+
+// Only in a program that can draw (tools/drawing.h).
+inline constexpr const char* kViewPurpose = "See what it sees: a page for the browser, live or of a recording";
 void add_view_command(CLI::App& app, int& exit_code, const std::string& version);
 
 }  // namespace cliquevo::tools

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// cliquevo: one command for recordings, trajectories and pictures.
+// cliquevo: one command for recordings, trajectories and pictures. Linked twice: without and with what draws
+// (drawing.h).
 #include <memory>
 #include <string>
 
@@ -11,6 +12,7 @@
 #include "tools/commands.h"
 #include "tools/ctl.h"
 #include "tools/doctor.h"
+#include "tools/drawing.h"
 #include "tools/exit_code.h"
 #include "tools/help_format.h"
 #include "tools/hil.h"
@@ -41,7 +43,7 @@ int run(int argc, char** argv) {
   add_disparity_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_compare_command(app, exit_code);
-  add_view_command(app, exit_code, CLIQUEVO_VERSION);
+  add_drawing_commands(app, exit_code, CLIQUEVO_VERSION);
   add_simulate_command(app, exit_code);
   add_cameras_command(app, exit_code);
   add_record_command(app, exit_code);
@@ -51,6 +53,8 @@ int run(int argc, char** argv) {
 #endif
   add_config_command(app, exit_code);
   add_ctl_command(app, exit_code);
+  add_watch_command(app, exit_code);
+  add_echo_command(app, exit_code);
   add_doctor_command(app, exit_code);
   add_spy_command(app, exit_code);
   try {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/pipeline/command_line.h"
 #include "daemon/pipeline/pacer.h"
 #include "daemon/pipeline/source.h"
 #include "drivers/describe.h"
@@ -25,7 +26,7 @@ constexpr std::int64_t kMegabyte = 1'000'000;
 
 struct RecordArguments {
   SourceArgument source;
-  std::string config;
+  daemon::ConfigArgument config;
   std::string out;
   std::int64_t max_file_mb = 0;
   std::int64_t max_total_mb = 0;
@@ -35,14 +36,10 @@ struct RecordArguments {
 };
 
 Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& arguments) {
-  daemon::Config config = daemon::default_config();
-  if (!arguments.config.empty()) {
-    auto read = daemon::read_config(arguments.config);
-    if (!read) return read.error();
-    config = std::move(*read);
-  }
-  if (!arguments.source.text.empty()) return open_source(arguments.source, config.source);
-  return daemon::open_source_within(config.source, arguments.wait_s, StopOnSignal::asked);
+  const auto config = daemon::read_config(arguments.config);
+  if (!config) return config.error();
+  if (!arguments.source.text.empty()) return open_source(arguments.source, config->source);
+  return daemon::open_source_within(config->source, arguments.wait_s, StopOnSignal::asked);
 }
 
 int run(const RecordArguments& arguments) {
@@ -112,7 +109,7 @@ void add_record_command(CLI::App& app, int& exit_code) {
   record->add_option("--out", arguments->out, "New log; other LCM tools expect a name on .lcm")
       ->required()
       ->type_name("FILE.lcm");
-  record->add_option("--config", arguments->config, "Configuration with the source")->type_name("FILE");
+  daemon::add_config_options(*record, arguments->config, "Configuration with the source");
   record->add_option("--max-file-mb", arguments->max_file_mb, "Begin a new file (FILE-000.lcm, ...) at this size")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
       ->type_name("MB");
