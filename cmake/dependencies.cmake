@@ -10,10 +10,16 @@ find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(spdlog REQUIRED)
 find_package(nlohmann_json REQUIRED)
-find_package(Boost 1.74 REQUIRED)
 find_package(JPEG REQUIRED)
 set_target_properties(JPEG::JPEG PROPERTIES IMPORTED_GLOBAL TRUE)
-pkg_check_modules(CAIRO REQUIRED IMPORTED_TARGET cairo cairo-svg cairo-pdf)
+find_package(Boost 1.74 REQUIRED)
+# Plots and reports need Cairo; nothing else does.
+pkg_check_modules(CAIRO IMPORTED_TARGET cairo cairo-svg cairo-pdf)
+set(drawing OFF)
+if(CAIRO_FOUND)
+  set(drawing ON)
+endif()
+option(CLIQUEVO_DRAWING "Plots, reports and the view: the program cliquevo-tools (needs Cairo)" ${drawing})
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
 
 # `cliquevo calibrate`: where both are there.

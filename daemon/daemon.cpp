@@ -210,7 +210,7 @@ int Daemon::close() {
 int unexpected_end() { return Service::is_managed() ? kStartAgain : kBadInput; }
 
 int check(const DaemonOptions& options) {
-  const auto config = load_config(options.config);
+  const auto config = read_daemon_config(options.config);
   if (!config) return report(config.error()), kBadInput;
   drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
   Config tried = *config;
@@ -218,15 +218,19 @@ int check(const DaemonOptions& options) {
       config->rectify.scale.value_or(1.0);  // cliquevo doctor measures what this machine keeps up with
   const auto rig = open_rig(tried, ignored);
   if (!rig) return report(rig.error()), kBadInput;
-  fmt::print("# {}\n", drivers::describe_source((*rig)->source->info()));
-  fmt::print("{}", effective_config_yaml(*config));
+  const std::string source = drivers::describe_source((*rig)->source->info());
+  if (options.json) {
+    fmt::print("{}\n", effective_config_json(*config, source));
+  } else {
+    fmt::print("# {}\n{}", source, effective_config_yaml(*config));
+  }
   return kDone;
 }
 
 int run(const DaemonOptions& options) {
   const Signals signals;
   rt::exceptions_end_with(unexpected_end());
-  auto config = load_config(options.config);
+  auto config = read_daemon_config(options.config);
   if (!config) return ended_by(config.error());
   config->source.cameras.patience_s = 0.0;  // it waits itself, and reports for what
   Daemon daemon(options, *config, signals);

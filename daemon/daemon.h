@@ -2,7 +2,7 @@
 // The program behind cliquevod's command line.
 #pragma once
 
-#include <string>
+#include "daemon/pipeline/command_line.h"
 
 namespace cliquevo::daemon {
 
@@ -13,12 +13,7 @@ enum ExitCode : int { kDone = 0, kBadInput = 1, kWrongUsage = 2, kStartAgain = 7
 // The code of an end that no input explains: no memory left, a library at its end, a stage that failed on live images.
 int unexpected_end();
 
-struct DaemonOptions {
-  std::string config;      // file; empty = the compiled defaults
-  std::string trajectory;  // file to write; empty = none
-};
-
-// Validates configuration and calibration, prints the effective configuration as YAML.
+// Validates configuration and calibration, prints the effective configuration as YAML, or as JSON.
 int check(const DaemonOptions& options);
 // Runs until the source's end or SIGTERM / SIGINT.
 int run(const DaemonOptions& options);

@@ -15,16 +15,10 @@ namespace {
 using namespace cliquevo::daemon;
 
 int run_line(int argc, char** argv) {
-  CLI::App app("Stereo visual odometry as a daemon: grabs stereo pairs and sends poses over LCM.", "cliquevod");
+  CLI::App app(kDaemonPurpose, "cliquevod");
   DaemonOptions options;
-  bool check_only = false;
-  app.add_option("--config", options.config, "Configuration file (default: the built-in settings)")->type_name("FILE");
-  app.add_flag("--check", check_only, "Validate configuration and calibration, print what is in force, and end");
-  app.add_option("--trajectory", options.trajectory, "Write the camera's poses here (KITTI format)")->type_name("FILE");
+  add_daemon_options(app, options);
   app.set_version_flag("--version", std::string(CLIQUEVO_VERSION) + " (sources: " + built_in_sources() + ")");
-  app.footer(
-      "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage.\n"
-      "SIGTERM and SIGINT stop it cleanly: frames on their way still go out.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& wanted) {  // --help, --version
@@ -33,7 +27,7 @@ int run_line(int argc, char** argv) {
     report({"wrong usage", "cliquevod", std::string(error.what()) + " (see cliquevod --help)"});
     return kWrongUsage;
   }
-  return check_only ? check(options) : run(options);
+  return options.check ? check(options) : run(options);
 }
 
 }  // namespace

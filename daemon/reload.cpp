@@ -36,15 +36,8 @@ void apply(const Key& key, const Config& config, Output& output, Recording& reco
 
 }  // namespace
 
-Result<Config> load_config(const std::string& path) {
-  auto config = path.empty() ? Result<Config>(default_config()) : read_config(path);
-  if (!config) return config.error();
-  if (auto ok = config->check(); !ok) return ok.error();
-  return config;
-}
-
-void reload(const std::string& path, Config& in_force, Output& output, Recording& recording) {
-  auto config = load_config(path);
+void reload(const ConfigArgument& source, Config& in_force, Output& output, Recording& recording) {
+  auto config = read_daemon_config(source);
   if (!config) return report(config.error());
   const KeyTable now = config_keys(in_force);
   const KeyTable next = config_keys(*config);

@@ -8,6 +8,7 @@
 #include "core/base/caught.h"
 #include "core/base/time.h"
 #include "daemon/health.h"
+#include "daemon/log.h"
 
 namespace cliquevo::daemon {
 
@@ -35,13 +36,24 @@ class OneTimeWarnings {
   bool source_given_ = false;
 };
 
-void report_health(const Watched& watched, Health& health, OneTimeWarnings& warnings) {
+// A change of state, with what was found then, for whoever searches the journal.
+void log_state(const health_t& now, std::int8_t& last_state) {
+  if (std::exchange(last_state, now.state) == now.state) return;
+  log_fields(now.state_text, {{"STATE", now.state_text},
+                              {"POSE_RATE_HZ", std::to_string(now.pose_rate_hz)},
+                              {"LATENCY_P99_US", std::to_string(now.latency_p99_us)},
+                              {"FRAMES_GRABBED", std::to_string(now.frames_grabbed)},
+                              {"FRAMES_DROPPED", std::to_string(now.frames_dropped)}});
+}
+
+void report_health(const Watched& watched, Health& health, OneTimeWarnings& warnings, std::int8_t& last_state) {
   const health_t& message =
       health.update(monotonic_ns(), watched.recording.status(), watched.commands.incidents().text());
   watched.output.publisher.publish(message);
   watched.commands.set_status(message);
   warnings.give(watched.output.diagnostics, watched.pipeline.source_finding());
   watched.service.status(health.status_text());
+  log_state(message, last_state);
   spdlog::debug(health.status_text());
 }
 
@@ -50,6 +62,7 @@ void report_health(const Watched& watched, Health& health, OneTimeWarnings& warn
 void watch(const Watched& watched, const Signals& signals, const std::function<void()>& on_hangup) {
   Health health(watched.pipeline, watched.output.sent, watched.output.diagnostics, watched.source);
   OneTimeWarnings warnings;
+  std::int8_t last_state = -1;
   Service& service = watched.service;
   std::int64_t next_report_ns = monotonic_ns() + kReportNs;
   const auto unharmed = [&watched](const auto& work) {  // a report that fails is no reason to end
@@ -71,7 +84,7 @@ void watch(const Watched& watched, const Signals& signals, const std::function<v
     const std::int64_t now_ns = monotonic_ns();
     if (now_ns >= next_report_ns) {
       next_report_ns += kReportNs * (1 + (now_ns - next_report_ns) / kReportNs);
-      unharmed([&] { report_health(watched, health, warnings); });
+      unharmed([&] { report_health(watched, health, warnings, last_state); });
     }
     if (health.ready()) service.ready();
   }

@@ -11,10 +11,12 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "core/base/caught.h"
 #include "core/base/printable.h"
 #include "daemon/pipeline/camera_families.h"
+#include "daemon/pipeline/command_line.h"
 #include "daemon/pipeline/source.h"
 #include "drivers/live/camera_options.h"
 #include "tools/camera_run.h"
@@ -33,6 +35,23 @@ std::vector<SeenCamera> list_all() {
     for (SeenCamera& camera : family.list()) out.push_back(std::move(camera));
   }
   return out;
+}
+
+std::string text_of(const nlohmann::ordered_json& value) {
+  return value.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+// All that the list has, for programs: an empty array where there is none.
+int list_as_json() {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const SeenCamera& camera : list_all()) {
+    out.push_back({{"family", camera.family},
+                   {"id", camera.id},
+                   {"description", camera.description},
+                   {"formats", camera.formats}});
+  }
+  fmt::print("{}", text_of(out));
+  return kDone;
 }
 
 int list() {
@@ -57,7 +76,8 @@ int list() {
 }
 
 struct TestArguments {
-  std::string config;
+  daemon::ConfigArgument config;
+  bool json = false;
   double seconds = 5.0;
   bool unplug = false;
   double wait_s = 0.0;
@@ -87,8 +107,17 @@ class Guard {
   std::thread thread_;
 };
 
-// One start, so many seconds of pairs, one stop. false: failed, and told.
-bool stream_once(drivers::FrameSource& source, const daemon::SourceConfig& config, double seconds, int number) {
+struct TestRun {
+  int number = 0;
+  CameraRun::Verdict verdict;
+  std::int64_t pairs = 0;
+  std::string status;
+  std::string queues;
+  std::string histograms;
+};
+
+// One start, so many seconds of pairs, one stop.
+TestRun stream_once(drivers::FrameSource& source, const daemon::SourceConfig& config, double seconds, int number) {
   CameraRun run(config.cameras.rate_hz);
   const double start_patience_s = 20.0 + 30.0 / config.cameras.rate_hz;
   drivers::StereoPair pair;
@@ -104,15 +133,30 @@ bool stream_once(drivers::FrameSource& source, const daemon::SourceConfig& confi
       if (static_cast<double>(monotonic_ns() - begin_ns) * 1e-9 >= seconds) break;
     }
   }
-  const CameraRun::Verdict verdict = run.judge();
+  return {number, run.judge(), run.pairs(), source.status(), source.queues(), run.histograms()};
+}
+
+void print_run(const TestRun& run) {
+  const CameraRun::Verdict& verdict = run.verdict;
   fmt::print(
       "start {}: {} pairs, {:.3f} Hz, {} skipped, jitter up to {:.3f} periods, cameras up to {:.3f} periods apart, "
       "arrival up to {:.1f} ms after the exposure\n  {}\n  {}\n{}",
-      number, run.pairs(), verdict.rate_hz, verdict.skipped, verdict.most_jitter, verdict.most_skew,
-      verdict.most_delay_ms, source.status(), source.queues(), run.histograms());
+      run.number, run.pairs, verdict.rate_hz, verdict.skipped, verdict.most_jitter, verdict.most_skew,
+      verdict.most_delay_ms, run.status, run.queues, run.histograms);
   for (const std::string& complaint : verdict.complaints) fmt::print("  FAIL {}\n", complaint);
   std::fflush(stdout);
-  return verdict.complaints.empty();
+}
+
+nlohmann::ordered_json run_json(const TestRun& run) {
+  const CameraRun::Verdict& verdict = run.verdict;
+  return {{"pairs", run.pairs},
+          {"rate_hz", verdict.rate_hz},
+          {"skipped", verdict.skipped},
+          {"jitter_periods", verdict.most_jitter},
+          {"skew_periods", verdict.most_skew},
+          {"delay_ms", verdict.most_delay_ms},
+          {"status", run.status},
+          {"complaints", verdict.complaints}};
 }
 
 bool unplug_once(const daemon::SourceConfig& config) {
@@ -157,20 +201,29 @@ bool unplug_once(const daemon::SourceConfig& config) {
 int test(const TestArguments& arguments) {
   const auto config = daemon::read_config(arguments.config);
   if (!config) return report(config.error());
+  const std::string& file = arguments.config.file;
   if (!config->source.is_live()) {
-    return report({"no cameras in the configuration", arguments.config, "set source.type and source.cameras"});
+    return report({"no cameras in the configuration", file, "set source.type and source.cameras"});
   }
   int failed = 0;
+  nlohmann::ordered_json results = nlohmann::ordered_json::array();
   for (int i = 1; i <= 3; ++i) {
     auto source = daemon::open_source_within(config->source, arguments.wait_s, [] { return false; });
     if (!source) return report(source.error());
-    failed += stream_once(**source, config->source, arguments.seconds, i) ? 0 : 1;
+    const TestRun run = stream_once(**source, config->source, arguments.seconds, i);
+    failed += run.verdict.complaints.empty() ? 0 : 1;
+    if (!arguments.json) print_run(run);
+    results.push_back(run_json(run));
   }
   if (arguments.unplug) failed += unplug_once(config->source) ? 0 : 1;
   const int runs = arguments.unplug ? 4 : 3;
-  fmt::print("{}: {} of {} runs passed\n", failed == 0 ? "PASS" : "FAIL", runs - failed, runs);
+  if (arguments.json) {
+    fmt::print("{}", text_of({{"passed", failed == 0}, {"runs", results}}));
+  } else {
+    fmt::print("{}: {} of {} runs passed\n", failed == 0 ? "PASS" : "FAIL", runs - failed, runs);
+  }
   if (failed == 0) return kDone;
-  return report({"rig does not comply", arguments.config, "the lines with FAIL say where"}, kNotStrictEnough);
+  return report({"rig does not comply", file, "the lines with FAIL (complaints) say where"}, kNotStrictEnough);
 }
 
 }  // namespace
@@ -179,12 +232,16 @@ void add_cameras_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<TestArguments>();
   CLI::App* cameras = app.add_subcommand("cameras", "List the cameras that can be seen, or test a rig of them");
   cameras->require_subcommand(0, 1);
+  auto as_json = std::make_shared<bool>(false);
+  cameras->add_flag("--json", *as_json, "Print JSON; no camera is an empty list then, not an error");
   CLI::App* tests = cameras->add_subcommand("test", "Start and stop a rig three times: rate, skew, what is missing");
-  tests->add_option("--config", arguments->config, "Configuration with the cameras")->required()->type_name("FILE");
+  daemon::add_config_options(*tests, arguments->config, "Configuration with the cameras");
+  tests->get_option("--config")->required();
   tests->add_option("--seconds", arguments->seconds, "Of each run (default 5)")
       ->check(CLI::Range(0.5, 3600.0))
       ->type_name("S");
-  tests->add_flag("--unplug", arguments->unplug, "Ask for a camera to be unplugged, too");
+  CLI::Option* json = tests->add_flag("--json", arguments->json, "Print JSON: each run's figures and complaints");
+  tests->add_flag("--unplug", arguments->unplug, "Ask for a camera to be unplugged, too")->excludes(json);
   tests
       ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
       ->check(CLI::NonNegativeNumber)
@@ -195,8 +252,8 @@ void add_cameras_command(CLI::App& app, int& exit_code) {
       "a quarter period. Exit codes: 0 passed; 1 bad input or environment; 2 wrong usage; 3 failed.");
   cameras->footer("Printed with each: what source.cameras.left and right take (config/cliquevo.yaml).");
   tests->callback([arguments, &exit_code] { exit_code = test(*arguments); });
-  cameras->callback([cameras, &exit_code] {
-    if (cameras->get_subcommands().empty()) exit_code = list();
+  cameras->callback([cameras, as_json, &exit_code] {
+    if (cameras->get_subcommands().empty()) exit_code = *as_json ? list_as_json() : list();
   });
 }
 

@@ -56,15 +56,6 @@ Point near(Point p) { return {std::clamp(p.x, -1e4, 1e4), std::clamp(p.y, -1e4, 
 
 }  // namespace
 
-std::optional<PictureFormat> picture_format(std::string_view path) {
-  std::string ending(path.substr(std::min(path.size(), path.find_last_of("./") + 1)));
-  std::transform(ending.begin(), ending.end(), ending.begin(), [](unsigned char c) { return std::tolower(c); });
-  if (ending == "png") return PictureFormat::png;
-  if (ending == "svg") return PictureFormat::svg;
-  if (ending == "pdf") return PictureFormat::pdf;
-  return std::nullopt;
-}
-
 struct Canvas::Impl {
   PictureFormat format;
   int width;

@@ -3,12 +3,12 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string_view>
 #include <vector>
 
 #include "core/base/result.h"
 #include "tools/picture.h"
+#include "tools/picture_format.h"
 
 namespace cliquevo::tools {
 
@@ -29,10 +29,6 @@ struct Box {
   double bottom() const { return y + height; }
   bool contains(Point p) const { return p.x >= x && p.x < right() && p.y >= y && p.y < bottom(); }
 };
-
-enum class PictureFormat { png, svg, pdf };
-// By the ending of a file's name, in any case; none: it is none of these.
-std::optional<PictureFormat> picture_format(std::string_view path);
 
 // All lengths are pixels of the finished picture, Y downwards.
 class Canvas {

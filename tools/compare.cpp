@@ -10,9 +10,9 @@
 
 #include "tools/commands.h"
 #include "tools/comparison.h"
+#include "tools/drawing.h"
 #include "tools/exit_code.h"
 #include "tools/output_file.h"
-#include "tools/report.h"
 
 namespace cliquevo::tools {
 
@@ -28,6 +28,12 @@ struct CompareArguments {
 };
 
 int run(const CompareArguments& arguments) {
+  const Drawing* drawing = nullptr;
+  if (!arguments.report.empty()) {
+    auto found = find_drawing("compare --report");
+    if (!found) return report(found.error());
+    drawing = *found;
+  }
   const auto a = read_runs(arguments.a);
   if (!a) return report(a.error());
   const auto b = read_runs(arguments.b);
@@ -48,7 +54,7 @@ int run(const CompareArguments& arguments) {
     auto file = OutputFile::open(arguments.report, "report");
     if (!file) return report(file.error());
     const std::string page =
-        comparison_report(arguments.a + " and " + arguments.b, comparison_json(comparison, arguments.gates));
+        drawing->comparison_report(arguments.a + " and " + arguments.b, comparison_json(comparison, arguments.gates));
     if (auto ok = file->write(page); !ok) return report(ok.error());
   }
   fmt::print("{}", arguments.json ? text : comparison_table(comparison));

@@ -1,28 +1,74 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// cliquevo config: what is written from the table of configuration keys.
+// cliquevo config: what is written from the table of configuration keys, and from the options.
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "daemon/pipeline/command_line.h"
 #include "tools/commands.h"
+#include "tools/completion.h"
 #include "tools/config_pages.h"
 #include "tools/exit_code.h"
+#include "tools/man_page.h"
+#include "tools/output_file.h"
 
 namespace cliquevo::tools {
+
+namespace {
+
+// What the distribution's packages carry, written from the options of both programs.
+Result<void> write_pages(const CLI::App& app, const std::string& version, const std::string& folder) {
+  CLI::App daemon_app(daemon::kDaemonPurpose, "cliquevod");
+  daemon::DaemonOptions ignored;
+  daemon::add_daemon_options(daemon_app, ignored);
+  daemon_app.set_version_flag("--version", version);
+  const CompletionWords words{{describe_app(app), describe_app(daemon_app)}, config_settings()};
+  std::error_code failed;
+  std::filesystem::create_directories(folder, failed);
+  const std::pair<const char*, std::string> files[] = {{"cliquevo.1", man_page(words.programs[0], 1, version)},
+                                                       {"cliquevod.8", man_page(words.programs[1], 8, version)},
+                                                       {"cliquevo.bash", bash_completion(words)},
+                                                       {"_cliquevo", zsh_completion(words)},
+                                                       {"cliquevo.fish", fish_completion(words)}};
+  for (const auto& [name, text] : files) {
+    auto file = OutputFile::open(folder + "/" + name, "page");
+    if (!file) return file.error();
+    if (auto ok = file->write(text); !ok) return ok;
+  }
+  return {};
+}
+
+}  // namespace
 
 void add_config_command(CLI::App& app, int& exit_code) {
   CLI::App* config = app.add_subcommand("config", "Print a sample configuration, the page on it, or a schema");
   auto what = std::make_shared<std::string>("sample");
-  config->add_option("WHAT", *what, "sample (every key with its default), page, schema, or completion (bash)")
-      ->check(CLI::IsMember({"sample", "page", "schema", "completion"}));
-  config->footer("Example: cliquevo config sample > rig.yaml");
-  config->callback([what, &exit_code] {
-    fmt::print("{}", *what == "page"         ? config_page()
-                     : *what == "schema"     ? config_schema()
-                     : *what == "completion" ? config_completion()
-                                             : config_sample());
+  auto folder = std::make_shared<std::string>();
+  config
+      ->add_option("WHAT", *what,
+                   "sample (every key with its default), page, schema; pages: man pages and shell completion, "
+                   "written to --out")
+      ->check(CLI::IsMember({"sample", "page", "schema", "pages"}));
+  config->add_option("--out", *folder, "Folder for `pages`")->type_name("DIR");
+  config->footer(
+      "Examples:\n"
+      "  cliquevo config sample > rig.yaml\n"
+      "  cliquevo config pages --out pages && source pages/cliquevo.bash && man -l pages/cliquevo.1");
+  config->callback([&app, what, folder, &exit_code] {
+    if ((*what == "pages") != !folder->empty()) {
+      exit_code = report({"wrong usage", "config", "give --out DIR with pages, and with nothing else"}, kWrongUsage);
+      return;
+    }
+    if (*what == "pages") {
+      const auto written = write_pages(app, CLIQUEVO_VERSION, *folder);
+      exit_code = written ? kDone : report(written.error());
+      return;
+    }
+    fmt::print("{}", *what == "page" ? config_page() : *what == "schema" ? config_schema() : config_sample());
     exit_code = kDone;
   });
 }

@@ -218,34 +218,19 @@ std::string config_schema() {
   return root.dump(2) + "\n";
 }
 
-std::string config_completion() {
+std::vector<std::string> config_settings() {
   const Defaults defaults;
-  std::string out =
-      "# SPDX-License-Identifier: BSD-3-Clause\n"
-      "# Written by tools/generate: do not edit here. bash: keys of the configuration behind --set, with their values\n"
-      "# where there are few; files behind --config.\n"
-      "_cliquevo_settings=\"\n";
+  std::vector<std::string> out;
   for (const Key& key : defaults.table.keys()) {
     if (const Choice* choice = choice_of(key)) {
-      for (const std::string& name : choice->names) out += key.name + "=" + name + "\n";
+      for (const std::string& name : choice->names) out.push_back(key.name + "=" + name);
     } else if (std::holds_alternative<bool*>(key.field)) {
-      out += key.name + "=true\n" + key.name + "=false\n";
+      out.push_back(key.name + "=true");
+      out.push_back(key.name + "=false");
     } else {
-      out += key.name + "=\n";
+      out.push_back(key.name + "=");
     }
   }
-  out +=
-      "\"\n"
-      "_cliquevo() {\n"
-      "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
-      "  case $before in\n"
-      "    --set)\n"
-      "      compopt -o nospace\n"
-      "      mapfile -t COMPREPLY < <(compgen -W \"$_cliquevo_settings\" -- \"$word\") ;;\n"
-      "    *) mapfile -t COMPREPLY < <(compgen -f -- \"$word\") ;;\n"
-      "  esac\n"
-      "}\n"
-      "complete -o filenames -F _cliquevo cliquevo cliquevod\n";
   return out;
 }
 

@@ -4,12 +4,14 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace cliquevo::tools {
 
-std::string config_sample();      // config/cliquevo.yaml
-std::string config_page();        // docs/configuration.md
-std::string config_schema();      // config/cliquevo.schema.json
-std::string config_completion();  // config/completion.bash
+std::string config_sample();  // config/cliquevo.yaml
+std::string config_page();    // docs/configuration.md
+std::string config_schema();  // config/cliquevo.schema.json
+// What may stand behind --set: "source.type=simulator" where the values are few, else "source.speed=".
+std::vector<std::string> config_settings();
 
 }  // namespace cliquevo::tools

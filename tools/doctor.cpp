@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "core/base/printable.h"
 #include "tools/examination.h"
@@ -19,7 +20,8 @@ namespace cliquevo::tools {
 namespace {
 
 struct DoctorOptions {
-  std::string config;
+  daemon::ConfigArgument config;
+  bool json = false;
   bool strict = false;
 };
 
@@ -44,22 +46,39 @@ void print_table(const std::vector<Finding>& findings) {
   }
 }
 
+void print_json(const std::vector<Finding>& findings) {
+  nlohmann::ordered_json out = nlohmann::ordered_json::array();
+  for (const Finding& f : findings) {
+    const char* verdict = f.verdict == Verdict::good ? "ok" : f.verdict == Verdict::advice ? "advice" : "missing";
+    out.push_back({{"subject", f.subject}, {"verdict", verdict}, {"found", f.found}, {"remedy", f.remedy}});
+  }
+  fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
+int run(const DoctorOptions& options) {
+  const std::vector<Finding> findings = examine(options.config);
+  const auto bad = static_cast<std::size_t>(
+      std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.verdict != Verdict::good; }));
+  if (options.json) {
+    print_json(findings);
+  } else {
+    print_table(findings);
+    fmt::print("{} of {} ok\n", findings.size() - bad, findings.size());
+  }
+  return options.strict && bad > 0 ? kNotStrictEnough : kDone;
+}
+
 }  // namespace
 
 void add_doctor_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* doctor = app.add_subcommand("doctor", "Tell what a real-time vehicle needs and what this machine has");
-  doctor->add_option("--config", options->config, "Configuration whose LCM URL, source and calibration are looked at")
-      ->type_name("FILE");
+  daemon::add_config_options(
+      *doctor, options->config,
+      "Configuration whose LCM URL, source and calibration are looked at (default: as cliquevod)");
   doctor->add_flag("--strict", options->strict, "Exit with 3 unless everything is ok");
-  doctor->callback([options, &exit_code] {
-    const std::vector<Finding> findings = examine(options->config);
-    print_table(findings);
-    const auto bad =
-        std::count_if(findings.begin(), findings.end(), [](const Finding& f) { return f.verdict != Verdict::good; });
-    fmt::print("{} of {} ok\n", findings.size() - static_cast<std::size_t>(bad), findings.size());
-    if (options->strict && bad > 0) exit_code = kNotStrictEnough;
-  });
+  doctor->add_flag("--json", options->json, "Print JSON: subject, verdict (ok, advice, missing), found, remedy");
+  doctor->callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace cliquevo::tools

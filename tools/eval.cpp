@@ -7,13 +7,12 @@
 #include <fmt/format.h>
 
 #include "tools/commands.h"
+#include "tools/drawing.h"
 #include "tools/evaluation.h"
 #include "tools/evaluation_json.h"
 #include "tools/exit_code.h"
 #include "tools/output_file.h"
-#include "tools/plot.h"
 #include "tools/reference.h"
-#include "tools/report.h"
 
 namespace cliquevo::tools {
 
@@ -73,19 +72,25 @@ void warn_of_other_axes(const EvalArguments& arguments, const daemon::Trajectory
 }
 
 Result<void> draw(OutputFile& file, const EvalArguments& arguments, const daemon::Trajectory& estimate,
-                  const std::vector<PosePair>& pairs) {
+                  const std::vector<PosePair>& pairs, const Drawing& drawing) {
   RunPicture picture;
   picture.title = std::filesystem::path(arguments.estimate).filename().string();
   for (const daemon::StampedPose& pose : estimate.poses) picture.trajectory.push_back(pose.T_world_camera);
   picture.pairs = pairs;
   picture.align = estimate.format == daemon::TrajectoryFormat::tum;
   const auto format = plot_format(arguments.plot);
-  const auto png = format ? draw_plot(picture, *format) : format.error();
+  const auto png = format ? drawing.plot(picture, *format) : format.error();
   return png ? file.write(*png) : png.error();
 }
 
 int run_eval(const EvalArguments& arguments) {
   if (auto format = plot_format(arguments.plot); !format) return report(format.error(), kWrongUsage);
+  const Drawing* drawing = nullptr;
+  if (!arguments.plot.empty() || !arguments.report.empty()) {
+    auto found = find_drawing(arguments.plot.empty() ? "eval --report" : "eval --plot");
+    if (!found) return report(found.error());
+    drawing = *found;
+  }
   const auto reference = read_reference(arguments.reference);
   if (!reference) return report(reference.error());
   const auto estimate = daemon::read_trajectory(arguments.estimate);
@@ -108,13 +113,13 @@ int run_eval(const EvalArguments& arguments) {
   if (!arguments.plot.empty()) {
     auto file = OutputFile::open(arguments.plot, "plot");
     if (!file) return report(file.error());
-    if (auto drawn = draw(*file, arguments, *estimate, *pairs); !drawn) return report(drawn.error());
+    if (auto drawn = draw(*file, arguments, *estimate, *pairs, *drawing); !drawn) return report(drawn.error());
   }
   if (!arguments.report.empty()) {
     auto file = OutputFile::open(arguments.report, "report");
     if (!file) return report(file.error());
-    const std::string page = evaluation_report(std::filesystem::path(arguments.estimate).filename().string(),
-                                               to_json(result), *estimate, *pairs);
+    const std::string page = drawing->evaluation_report(std::filesystem::path(arguments.estimate).filename().string(),
+                                                        to_json(result), *estimate, *pairs);
     if (auto written = file->write(page); !written) return report(written.error());
   }
   return kDone;
@@ -141,11 +146,11 @@ void add_eval_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<EvalArguments>();
   CLI::App* eval =
       app.add_subcommand("eval", "Compare a trajectory with its reference: segment errors, ATE, RPE, drift");
-  eval->add_option("--reference", arguments->reference,
+  eval->add_option("--reference,REFERENCE", arguments->reference,
                    "Trajectory held to be true (KITTI or TUM format, EuRoC's data.csv, KITTI-360's cam0_to_world.txt)")
       ->required()
       ->type_name("FILE");
-  eval->add_option("--estimate", arguments->estimate,
+  eval->add_option("--estimate,ESTIMATE", arguments->estimate,
                    "Trajectory to judge (KITTI beside KITTI, TUM beside TUM and EuRoC)")
       ->required()
       ->type_name("FILE");
@@ -178,7 +183,7 @@ void add_eval_command(CLI::App& app, int& exit_code) {
       "KITTI files are compared line by line, TUM files by nearest stamp. Segment errors are means over segments of\n"
       "each length from every start frame; the ATE is taken after a rigid alignment without scale.\n"
       "Examples:\n"
-      "  cliquevo eval --reference poses.txt --estimate trajectory.txt --lengths 5,10,20,40\n"
+      "  cliquevo eval poses.txt trajectory.txt --lengths 5,10,20,40\n"
       "  cliquevo eval --reference groundtruth.tum --estimate trajectory.tum --json");
   eval->callback([arguments, &exit_code] { exit_code = run_eval(*arguments); });
 }

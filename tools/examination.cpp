@@ -196,13 +196,12 @@ void examine_source(const daemon::Config& config, std::vector<Finding>& findings
 
 }  // namespace
 
-std::vector<Finding> examine(const std::string& config_path, const std::string& root_path) {
+std::vector<Finding> examine(const daemon::ConfigArgument& argument, const std::string& root_path) {
   const fs::path root = root_path.empty() ? fs::path("/") : fs::path(root_path);
   std::vector<Finding> findings{kernel(root),         fifo_right(),     memory_right(),   governor(root),
                                 isolated_cores(root), throttling(root), compaction(root), receive_buffer(root),
                                 clock_sync(),         cameras(root)};
-  const auto config =
-      config_path.empty() ? Result<daemon::Config>(daemon::default_config()) : daemon::read_config(config_path);
+  const auto config = daemon::read_daemon_config(argument);
   if (!config) {
     findings.push_back(
         {"configuration", Verdict::missing, config.error().what + ": " + config.error().where, config.error().remedy});

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "daemon/pipeline/command_line.h"
+
 namespace cliquevo::tools {
 
 enum class Verdict { good, advice, missing };
@@ -16,7 +18,8 @@ struct Finding {
   std::string remedy;  // the command or step that corrects it
 };
 
-// config: a configuration file, empty = the defaults. root: where /proc and /sys are looked for (for tests).
-std::vector<Finding> examine(const std::string& config, const std::string& root = "");
+// config: as for cliquevod, which without one takes that of /etc/cliquevo. root: where /proc and /sys are looked for
+// (for tests).
+std::vector<Finding> examine(const daemon::ConfigArgument& config, const std::string& root = "");
 
 }  // namespace cliquevo::tools

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// cliquevo: one command for recordings, trajectories and pictures.
+// cliquevo: one command for recordings, trajectories and pictures. Linked twice: without and with what draws
+// (drawing.h).
 #include <memory>
 #include <string>
 
@@ -7,13 +8,11 @@
 
 #include "core/base/caught.h"
 #include "core/base/standard_streams.h"
-#ifdef CLIQUEVO_CALIBRATE
-#include "tools/calibrate/calibrate.h"
-#endif
 #include "tools/cameras.h"
 #include "tools/commands.h"
 #include "tools/ctl.h"
 #include "tools/doctor.h"
+#include "tools/drawing.h"
 #include "tools/exit_code.h"
 #include "tools/help_format.h"
 #include "tools/hil.h"
@@ -45,7 +44,7 @@ int run(int argc, char** argv) {
   add_disparity_command(app, exit_code);
   add_eval_command(app, exit_code);
   add_compare_command(app, exit_code);
-  add_view_command(app, exit_code, CLIQUEVO_VERSION);
+  add_drawing_commands(app, exit_code, CLIQUEVO_VERSION);
   add_simulate_command(app, exit_code);
   add_cameras_command(app, exit_code);
   add_record_command(app, exit_code);
@@ -53,13 +52,12 @@ int run(int argc, char** argv) {
 #ifdef CLIQUEVO_ARAVIS
   add_hil_command(app, exit_code);
 #endif
-#ifdef CLIQUEVO_CALIBRATE
-  add_calibrate_command(app, exit_code);
-#endif
   add_mavlink_command(app, exit_code);
   add_ros2_command(app, exit_code);
   add_config_command(app, exit_code);
   add_ctl_command(app, exit_code);
+  add_watch_command(app, exit_code);
+  add_echo_command(app, exit_code);
   add_doctor_command(app, exit_code);
   add_spy_command(app, exit_code);
   try {

@@ -146,13 +146,6 @@ AgainstReference against_reference(const std::vector<PosePair>& pairs, bool alig
   return out;
 }
 
-Result<PictureFormat> plot_format(const std::string& path) {
-  const auto format = picture_format(path);
-  if (format) return *format;
-  if (path.find('.', path.find_last_of('/') + 1) == std::string::npos) return PictureFormat::png;
-  return Error{"wrong usage", "--plot " + path, "name a file that ends in .png, .svg or .pdf"};
-}
-
 Result<std::vector<unsigned char>> draw_plot(const RunPicture& run, PictureFormat format) {
   if (run.trajectory.empty()) return Error{"cannot draw plot", run.title, "no frame was processed"};
   const AgainstReference comparison = against_reference(run.pairs, run.align);

@@ -7,8 +7,8 @@
 
 #include "core/base/result.h"
 #include "core/base/rigid_transform.h"
-#include "tools/canvas.h"
 #include "tools/evaluation.h"
+#include "tools/picture_format.h"
 
 namespace cliquevo::tools {
 
@@ -32,7 +32,5 @@ AgainstReference against_reference(const std::vector<PosePair>& pairs, bool alig
 
 // The bytes of a picture of 1600 x 760 px.
 Result<std::vector<unsigned char>> draw_plot(const RunPicture& run, PictureFormat format = PictureFormat::png);
-// What --plot may be called; an error is one of usage.
-Result<PictureFormat> plot_format(const std::string& path);
 
 }  // namespace cliquevo::tools

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/pipeline/command_line.h"
 #include "daemon/pipeline/pacer.h"
 #include "daemon/pipeline/source.h"
 #include "drivers/describe.h"
@@ -28,7 +29,7 @@ constexpr std::int64_t kMegabyte = 1'000'000;
 
 struct RecordArguments {
   SourceArgument source;
-  std::string config;
+  daemon::ConfigArgument config;
   std::string out;
   std::int64_t max_file_mb = 0;
   std::int64_t max_total_mb = 0;
@@ -79,7 +80,7 @@ class Target {
 };
 
 Result<daemon::Config> config_of(const RecordArguments& arguments) {
-  return arguments.config.empty() ? daemon::default_config() : daemon::read_config(arguments.config);
+  return daemon::read_config(arguments.config);
 }
 
 Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& arguments, const daemon::Config& config) {
@@ -150,7 +151,7 @@ void add_record_command(CLI::App& app, int& exit_code) {
   record->add_option("--out", arguments->out, "New LCM log, or MCAP for ROS 2's tools by its name's ending")
       ->required()
       ->type_name("FILE.lcm|mcap");
-  record->add_option("--config", arguments->config, "Configuration with the source")->type_name("FILE");
+  daemon::add_config_options(*record, arguments->config, "Configuration with the source");
   record->add_option("--max-file-mb", arguments->max_file_mb, "Begin a new file (FILE-000.lcm, ...) at this size")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
       ->type_name("MB");

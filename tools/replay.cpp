@@ -9,15 +9,15 @@
 
 #include <fmt/format.h>
 
+#include "daemon/pipeline/command_line.h"
 #include "daemon/pipeline/effective_config.h"
 #include "drivers/describe.h"
 #include "tools/commands.h"
+#include "tools/drawing.h"
 #include "tools/exit_code.h"
 #include "tools/output_file.h"
-#include "tools/plot.h"
 #include "tools/reference.h"
 #include "tools/replay_run.h"
-#include "tools/report.h"
 #include "tools/source_argument.h"
 
 namespace cliquevo::tools {
@@ -28,7 +28,7 @@ using daemon::TrajectoryFormat;
 
 struct ReplayArguments {
   SourceArgument source;
-  std::string config;
+  daemon::ConfigArgument config;
   std::string trajectory;
   TrajectoryFormat format = TrajectoryFormat::kitti;
   std::string stats;
@@ -67,7 +67,8 @@ Result<EndFiles> open_end_files(const ReplayArguments& arguments) {
   return out;
 }
 
-Result<ReplayOutputs> open_outputs(const ReplayArguments& arguments, const daemon::Config& config) {
+Result<ReplayOutputs> open_outputs(const ReplayArguments& arguments, const daemon::Config& config,
+                                   const Drawing* drawing) {
   ReplayOutputs out;
   out.speed = arguments.speed;
   out.strict = arguments.strict;
@@ -76,7 +77,7 @@ Result<ReplayOutputs> open_outputs(const ReplayArguments& arguments, const daemo
     if (!writer) return writer.error();
     out.trajectory = std::move(*writer);
   }
-  if (!arguments.report.empty()) out.album = std::make_unique<view::Album>();
+  if (!arguments.report.empty()) out.report = drawing->run_report();
   if (!arguments.lcm_url.empty()) {
     daemon::LcmConfig lcm = config.lcm;
     lcm.url = arguments.lcm_url;
@@ -129,11 +130,12 @@ RunPicture picture_of(const ReplayArguments& arguments, const RunLog& log,
 
 // Statistics and picture; the first error of them.
 Result<void> write_end_files(const ReplayArguments& arguments, EndFiles& files, const RunLog& log,
-                             const std::string& stats, const std::optional<RunReference>& reference) {
+                             const std::string& stats, const std::optional<RunReference>& reference,
+                             const Drawing* drawing) {
   Result<void> written;
   if (files.stats) written = files.stats->write(stats);
   if (!files.plot || log.frames().empty()) return written;
-  const auto png = draw_plot(picture_of(arguments, log, reference), *plot_format(arguments.plot));
+  const auto png = drawing->plot(picture_of(arguments, log, reference), *plot_format(arguments.plot));
   const Result<void> drawn = png ? files.plot->write(*png) : Result<void>(png.error());
   return written ? drawn : written;
 }
@@ -159,12 +161,15 @@ int judge(const ReplayArguments& arguments, const RunLog& log) {
 int run(const ReplayArguments& arguments) {
   if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
   if (auto format = plot_format(arguments.plot); !format) return report(format.error(), kWrongUsage);
-  daemon::Config config = daemon::default_config();
-  if (!arguments.config.empty()) {
-    auto read = daemon::read_config(arguments.config);
-    if (!read) return report(read.error());
-    config = std::move(*read);
+  const Drawing* drawing = nullptr;
+  if (!arguments.plot.empty() || !arguments.report.empty()) {
+    auto found = find_drawing(arguments.plot.empty() ? "replay --report" : "replay --plot");
+    if (!found) return report(found.error());
+    drawing = *found;
   }
+  const auto read = daemon::read_config(arguments.config);
+  if (!read) return report(read.error());
+  const daemon::Config& config = *read;
   auto source = open_source(arguments.source, config.source);
   if (!source) return report(source.error());
   const drivers::SourceInfo& info = (*source)->info();
@@ -172,7 +177,7 @@ int run(const ReplayArguments& arguments) {
   if (!pipeline) return report(pipeline.error());
   auto files = open_end_files(arguments);
   if (!files) return report(files.error());
-  auto outputs = open_outputs(arguments, config);
+  auto outputs = open_outputs(arguments, config, drawing);
   if (!outputs) return report(outputs.error());
 
   fmt::print("{}\n{}\n", drivers::describe_source(info), drivers::describe_geometry(pipeline->model()));
@@ -196,16 +201,15 @@ int run(const ReplayArguments& arguments) {
     if (const std::string remarks = (*source)->status(); !remarks.empty()) fmt::print("source: {}\n", remarks);
   }
   if (auto ok = write_end_files(arguments, *files, log, log.stats_json(info, pipeline->model(), end.wall_s, reference),
-                                reference);
+                                reference, drawing);
       !ok) {
     fail(ok.error());
   }
   if (files->report && !log.frames().empty()) {
     const std::string stats = log.stats_json(info, pipeline->model(), end.wall_s, reference);
     const std::string text = log.summary(end.wall_s, reference);
-    const std::string page =
-        run_report({title_of(arguments), text, stats, daemon::effective_config_yaml(config), pipeline->model()}, log,
-                   reference, *outputs->album);
+    const std::string page = outputs->report->page(
+        {title_of(arguments), text, stats, daemon::effective_config_yaml(config), pipeline->model()}, log, reference);
     if (auto ok = files->report->write(page); !ok) fail(ok.error());
   }
   return exit_code != kDone ? exit_code : judge(arguments, log);
@@ -284,8 +288,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   CLI::App* replay =
       app.add_subcommand("replay", "Run a recording or the simulator through stereo and odometry: poses and verdicts");
   add_source_options(*replay, arguments->source);
-  replay->add_option("--config", arguments->config, "Configuration (config/cliquevo.yaml tells every key)")
-      ->type_name("FILE");
+  daemon::add_config_options(*replay, arguments->config, "Configuration (cliquevo config sample prints every key)");
   replay
       ->add_option("--trajectory", arguments->trajectory,
                    "Write a pose a pair: rectified left camera in its first frame")

@@ -91,7 +91,7 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
       record.truth_T_world_camera = *T_first_world * *pair.truth_T_world_camera;
     }
     log.add(record);
-    if (outputs.album) outputs.album->add(pipeline, pair);
+    if (outputs.report) outputs.report->add(pipeline, pair);
     if (auto done = hand_out(record, pipeline.movers(), outputs, warned); !done) error = done.error();
     progress.update(static_cast<std::int64_t>(log.frames().size()), log.distance_m(),
                     vo::status_name(record.estimate.status));

@@ -12,17 +12,17 @@
 #include "daemon/pipeline/frame_pipeline.h"
 #include "daemon/pipeline/trajectory_file.h"
 #include "drivers/frame_source.h"
+#include "tools/drawing.h"
 #include "tools/run_log.h"
-#include "tools/view/album.h"
 
 namespace cliquevo::tools {
 
 struct ReplayOutputs {
   std::optional<daemon::TrajectoryWriter> trajectory;
   std::optional<daemon::Publisher> publisher;
-  double speed = 0.0;                  // times recorded pace; 0 = as fast as possible
-  std::unique_ptr<view::Album> album;  // gets every frame; none: no report is wanted
-  bool strict = false;                 // the first pair that cannot be played ends the run
+  double speed = 0.0;                 // times recorded pace; 0 = as fast as possible
+  std::unique_ptr<RunReport> report;  // gets every frame; none: no report is wanted
+  bool strict = false;                // the first pair that cannot be played ends the run
 };
 
 struct ReplayEnd {

@@ -8,18 +8,12 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "daemon/pipeline/trajectory_file.h"
+#include "tools/drawing.h"
 #include "tools/run_log.h"
 #include "tools/view/album.h"
 
 namespace cliquevo::tools {
 
-struct RunTexts {
-  std::string title;
-  std::string summary;        // as printed
-  std::string stats_json;     // as --stats writes it
-  std::string configuration;  // in force
-  StereoModel model;
-};
 std::string run_report(const RunTexts& texts, const RunLog& log, const std::optional<RunReference>& reference,
                        const view::Album& album);
 // result: as `eval --json` prints it.

@@ -32,12 +32,12 @@ struct SpyOptions {
   std::string types;
 };
 
-// The .lcm files: beside the installed program, or in the source tree that it was built from.
+// The .lcm files: beside the installed program, or in the source tree whose build/PRESET/bin it is in.
 std::string find_types() {
   std::error_code none;
   const fs::path program = fs::read_symlink("/proc/self/exe", none);
   for (const fs::path& folder :
-       {program.parent_path() / "../share/cliquevo/lcmtypes", fs::path(CLIQUEVO_LCMTYPES_DIR)}) {
+       {program.parent_path() / "../share/cliquevo/lcmtypes", program.parent_path() / "../../../daemon/lcmtypes"}) {
     if (fs::is_directory(folder, none)) return folder.lexically_normal().string();
   }
   return {};

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "daemon/pipeline/config.h"
+#include "daemon/pipeline/command_line.h"
 #include "tools/commands.h"
 #include "tools/exit_code.h"
 #include "tools/source_argument.h"
@@ -21,7 +21,7 @@ namespace {
 
 struct ViewArguments {
   SourceArgument source;
-  std::string config;
+  daemon::ConfigArgument config;
   std::string lcm_url;
   view::ViewOptions options;
 };
@@ -38,12 +38,9 @@ Result<std::unique_ptr<view::Feed>> open_feed(const ViewArguments& arguments, co
 int run(ViewArguments& arguments) {
   const bool both = !arguments.source.text.empty() && !arguments.lcm_url.empty();
   if (both) return report({"wrong usage", "cliquevo view", "give SOURCE or --lcm, not both"}, kWrongUsage);
-  daemon::Config config = daemon::default_config();
-  if (!arguments.config.empty()) {
-    auto read = daemon::read_config(arguments.config);
-    if (!read) return report(read.error());
-    config = std::move(*read);
-  }
+  const auto read = daemon::read_config(arguments.config);
+  if (!read) return report(read.error());
+  const daemon::Config& config = *read;
   if (arguments.source.text.empty()) {
     if (arguments.lcm_url.empty()) arguments.lcm_url = config.lcm.url;
     if (arguments.options.control_socket.empty()) arguments.options.control_socket = config.control.socket;
@@ -66,15 +63,14 @@ int run(ViewArguments& arguments) {
 void add_view_command(CLI::App& app, int& exit_code, const std::string& version) {
   auto arguments = std::make_shared<ViewArguments>();
   arguments->options.version = version;
-  CLI::App* command = app.add_subcommand("view", "See what it sees: a page for the browser, live or of a recording");
+  CLI::App* command = app.add_subcommand("view", kViewPurpose);
   command->add_option(
       "SOURCE", arguments->source.text,
       "A recording, an LCM log, sim or sim:key=value,... as replay takes them; none: the running daemon");
   command
       ->add_option("--lcm", arguments->lcm_url, "Look at the daemon that sends here (default: the configuration's URL)")
       ->type_name("URL");
-  command->add_option("--config", arguments->config, "Configuration (config/cliquevo.yaml tells every key)")
-      ->type_name("FILE");
+  daemon::add_config_options(*command, arguments->config, "Configuration (cliquevo config sample prints every key)");
   add_calibration_options(*command, arguments->source);
   add_recording_options(*command, arguments->source);
   auto& server = arguments->options.server;

@@ -86,9 +86,19 @@ struct Config {
   Result<void> check() const;
 };
 
+// Where a configuration comes from; what comes later wins.
+struct ConfigSources {
+  std::vector<std::string> files;
+  std::vector<std::string> settings;  // "section.key=value" of the command line
+
+  bool empty() const { return files.empty() && settings.empty(); }
+};
+
 // The compiled defaults.
 Config default_config();
-// The defaults with the file's values. Relative paths in it start from the file's own folder.
+// The defaults with what the files and then the settings say. Relative paths start from their file's own folder; those
+// of settings from the working one.
+Result<Config> read_config(const ConfigSources& sources);
 Result<Config> read_config(const std::string& path);
 // The same of a text; path: for messages, and where relative paths start.
 Result<Config> parse_config(const std::string& text, const std::string& path);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// From the file's text to a configuration.
+// From files' texts and the command line's settings to a configuration.
 #include <algorithm>
 #include <filesystem>
 #include <map>
@@ -22,11 +22,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A key as it stands in the file.
+// A key as it stands in a file or a setting.
 struct Entry {
   YAML::Node value;
-  int line = 0;
+  std::string where;   // "rig.yaml:12"
+  std::string folder;  // where relative paths start
 };
+using Entries = std::map<std::string, Entry>;
 
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -80,7 +82,7 @@ bool retired(const std::string& key) {
 }
 
 Result<void> collect(const YAML::Node& map, const std::string& section, const Known& known, const std::string& path,
-                     std::map<std::string, Entry>& entries) {
+                     Entries& entries) {
   std::set<std::string> seen;
   for (const auto& item : map) {
     const std::string where = fmt::format("{}:{}", path, item.first.Mark().line + 1);
@@ -89,7 +91,7 @@ Result<void> collect(const YAML::Node& map, const std::string& section, const Kn
     const std::string full = section.empty() ? name : fmt::format("{}.{}", section, name);
     if (!seen.insert(name).second) return Error{fmt::format("key '{}' twice", full), where, "keep one of them"};
     if (known.keys.contains(full)) {
-      entries[full] = {item.second, item.first.Mark().line + 1};
+      entries[full] = {item.second, where, fs::path(path).parent_path().string()};
     } else if (!known.sections.contains(full)) {
       if (retired(full)) {
         return Error{fmt::format("'{}' is no longer a key", full), where,
@@ -106,30 +108,28 @@ Result<void> collect(const YAML::Node& map, const std::string& section, const Kn
   return {};
 }
 
-// Names the line of the key that a check found at fault.
-Error with_line(const Error& error, const std::string& path, const std::map<std::string, Entry>& entries) {
+// Names the place of the key that a check found at fault.
+Error with_place(const Error& error, const std::string& otherwise, const Entries& entries) {
   const std::string name = error.where.substr(0, error.where.find_first_of(" =:"));
-  std::string where = path;
-  if (const auto found = entries.find(name); found != entries.end()) {
-    where = fmt::format("{}:{}", path, found->second.line);
-  }
+  const auto found = entries.find(name);
+  const std::string where = found != entries.end() ? found->second.where : otherwise;
   return {fmt::format("{} ({})", error.what, error.where), where, error.remedy};
 }
 
-// Sets the file's values, key by key.
-Result<void> read_entries(const KeyTable& table, const std::map<std::string, Entry>& entries, const std::string& path) {
+// Sets the entries, key by key.
+Result<void> read_entries(const KeyTable& table, const Entries& entries) {
   for (const Key& key : table.keys()) {
     const auto entry = entries.find(key.name);
     if (entry == entries.end()) continue;
     const std::string fallback = key.value();
-    if (read_value(key, entry->second.value, fs::path(path).parent_path().string())) continue;
-    return Error{fmt::format("wrong value for '{}'", key.name), fmt::format("{}:{}", path, entry->second.line),
+    if (read_value(key, entry->second.value, entry->second.folder)) continue;
+    return Error{fmt::format("wrong value for '{}'", key.name), entry->second.where,
                  fmt::format("give {}; the default is {}", key.expects(), fallback.empty() ? "empty" : fallback)};
   }
   return {};
 }
 
-Result<Config> parse(const std::string& text, const std::string& path) {
+Result<void> collect_file(const std::string& text, const std::string& path, const Known& known, Entries& entries) {
   if (auto ok = check_config_text(text, path); !ok) return ok.error();
   YAML::Node root;
   try {
@@ -140,27 +140,80 @@ Result<Config> parse(const std::string& text, const std::string& path) {
   if (!root.IsMap() && !root.IsNull()) {
     return Error{"cannot read configuration", path, "give sections with `key: value` lines, as config/cliquevo.yaml"};
   }
+  return collect(root, "", known, path, entries);
+}
+
+// A value of the command line, as a file would have it. What is neither a value nor a list is text.
+YAML::Node setting_value(const std::string& text, const std::string& where) {
+  if (!check_config_text(text, where)) return YAML::Node(text);
+  const YAML::Node read = YAML::Load(text);
+  return read.IsScalar() || read.IsSequence() ? read : YAML::Node(text);
+}
+
+Result<void> collect_setting(const std::string& setting, const Known& known, Entries& entries) {
+  const std::string where = "--set " + setting;
+  const std::size_t equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0) {
+    return Error{"not a setting", where, "give section.key=value, e.g. stereo.workers=1"};
+  }
+  const std::string name = setting.substr(0, equals);
+  if (known.keys.contains(name)) {
+    entries[name] = {setting_value(setting.substr(equals + 1), where), where, ""};
+    return {};
+  }
+  std::string section = name.substr(0, name.rfind('.') == std::string::npos ? 0 : name.rfind('.'));
+  while (!known.sections.contains(section)) {
+    section = section.substr(0, section.rfind('.') == std::string::npos ? 0 : section.rfind('.'));
+  }
+  const std::string rest = section.empty() ? name : name.substr(section.size() + 1);
+  return Error{fmt::format("unknown key '{}'", name), where, known.suggestion(section, rest.substr(0, rest.find('.')))};
+}
+
+struct FileText {
+  std::string path;
+  std::string text;
+};
+
+Result<Config> parse(const std::vector<FileText>& files, const std::vector<std::string>& settings) {
   Config config = default_config();
   const KeyTable table = config_keys(config);
-  std::map<std::string, Entry> entries;
-  if (auto collected = collect(root, "", Known(table), path, entries); !collected) return collected.error();
-  if (auto ok = read_entries(table, entries, path); !ok) return ok.error();
+  const Known known(table);
+  Entries entries;
+  for (const FileText& file : files) {
+    if (auto ok = collect_file(file.text, file.path, known, entries); !ok) return ok.error();
+  }
+  for (const std::string& setting : settings) {
+    if (setting.size() > kLargestConfig) return Error{"setting too long", "--set", "give section.key=value"};
+    if (auto ok = collect_setting(setting, known, entries); !ok) return ok.error();
+  }
+  if (auto ok = read_entries(table, entries); !ok) return ok.error();
   config.T_body_camera = config.body.T_body_camera();
-  if (auto ok = config.check(); !ok) return with_line(ok.error(), path, entries);
+  const std::string otherwise = files.empty() ? "--set" : files.back().path;
+  if (auto ok = config.check(); !ok) return with_place(ok.error(), otherwise, entries);
   return config;
+}
+
+// Errors name what stands in files, which may be anything.
+Result<Config> made_printable(Result<Config> config) {
+  return config ? std::move(config) : Result<Config>(printable(config.error()));
 }
 
 }  // namespace
 
-Result<Config> read_config(const std::string& path) {
-  const auto text = read_config_text(path);
-  if (!text) return text.error();
-  return parse_config(*text, path);
+Result<Config> read_config(const ConfigSources& sources) {
+  std::vector<FileText> files;
+  for (const std::string& path : sources.files) {
+    auto text = read_config_text(path);
+    if (!text) return text.error();
+    files.push_back({path, std::move(*text)});
+  }
+  return made_printable(parse(files, sources.settings));
 }
 
+Result<Config> read_config(const std::string& path) { return read_config(ConfigSources{{path}, {}}); }
+
 Result<Config> parse_config(const std::string& text, const std::string& path) {
-  auto config = parse(text, path);
-  return config ? std::move(config) : Result<Config>(printable(config.error()));  // which names what stands in the file
+  return made_printable(parse({{path, text}}, {}));
 }
 
 }  // namespace cliquevo::daemon

@@ -3,7 +3,10 @@
 
 #include <vector>
 
+#include <nlohmann/json.hpp>
+
 #include "core/base/printable.h"
+#include "daemon/pipeline/keys/keys.h"
 
 namespace cliquevo::daemon {
 
@@ -70,6 +73,23 @@ std::string effective_config_yaml(const Config& config) {
     out += std::string(2 * (parts.size() - 1), ' ') + parts.back() + ": " + scalar(path, value) + "\n";
   }
   return out;
+}
+
+std::string effective_config_json(const Config& config, const std::string& source) {
+  Config listed = config;
+  const KeyTable table = config_keys(listed);
+  nlohmann::ordered_json out;
+  for (const Key& key : table.keys()) {
+    nlohmann::ordered_json* at = &out["configuration"];
+    for (const std::string& part : split(key.name)) at = &(*at)[part];
+    const std::string value = key.value();
+    // Numbers, truth values and lists read as JSON; all else is text.
+    const bool text = std::holds_alternative<std::string*>(key.field) || std::holds_alternative<FilePath>(key.field);
+    auto read = nlohmann::ordered_json::parse(value, nullptr, false);
+    *at = text || read.is_discarded() ? nlohmann::ordered_json(value) : std::move(read);
+  }
+  out["source"] = source;
+  return out.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
 }  // namespace cliquevo::daemon

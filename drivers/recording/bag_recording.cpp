@@ -262,7 +262,8 @@ Result<std::unique_ptr<FrameSource>> open_bags(const std::vector<std::string>& f
   }
   auto stamps = make_rising(recorded, options.path);
   if (!stamps) return stamps.error();
-  auto request = request_of(*bags, *topics, options);
+  auto request = options.needs_calibration ? request_of(*bags, *topics, options)
+                                           : Result<CalibrationRequest>(CalibrationRequest{});
   if (!request) return request.error();
 
   SourceInfo info;
@@ -277,9 +278,11 @@ Result<std::unique_ptr<FrameSource>> open_bags(const std::vector<std::string>& f
   if (!size) return size.error();
   std::tie(info.width, info.height) = *size;
   std::tie(request->width, request->height) = *size;
-  auto calibration = calibrate(*request, *store);
-  if (!calibration) return calibration.error();
-  info.calibration = std::move(*calibration);
+  if (options.needs_calibration) {
+    auto calibration = calibrate(*request, *store);
+    if (!calibration) return calibration.error();
+    info.calibration = std::move(*calibration);
+  }
   if (auto ok = read_masks(options.left_mask, options.right_mask, "", info); !ok) return ok.error();
   return play_pairs(std::move(store), std::move(*stamps), std::move(info), playing);
 }

@@ -175,7 +175,7 @@ Result<std::unique_ptr<FrameSource>> open_videos(const VideoFiles& files, const 
   CalibrationRequest request;
   const std::string folder = fs::path(files.left).parent_path().string();
   request.path = options.calibration.empty() ? find_calibration(folder.empty() ? "." : folder) : options.calibration;
-  if (request.path.empty()) {
+  if (request.path.empty() && options.needs_calibration) {
     return Error{"recording has no calibration", files.left, "name one with --calibration FILE"};
   }
   request.width = info.width;
@@ -183,9 +183,11 @@ Result<std::unique_ptr<FrameSource>> open_videos(const VideoFiles& files, const 
   request.options = options.calibration_options;
   auto store =
       std::make_unique<VideoPairs>(std::move(videos->left), std::move(videos->right), std::move(pairs), files.left);
-  auto calibration = calibrate(request, *store);
-  if (!calibration) return calibration.error();
-  info.calibration = std::move(*calibration);
+  if (options.needs_calibration) {
+    auto calibration = calibrate(request, *store);
+    if (!calibration) return calibration.error();
+    info.calibration = std::move(*calibration);
+  }
   if (auto ok = read_masks(options.left_mask, options.right_mask, folder, info); !ok) return ok.error();
   return play_pairs(std::move(store), std::move(*stamps), std::move(info), options);
 }

@@ -52,7 +52,7 @@ std::string install_package() {
                             .wait(300.0);
   if (pack.exit_code != 0) return "cpack: " + pack.out + pack.err;
   for (const fs::directory_entry& entry : fs::directory_iterator(packed)) {
-    if (entry.path().extension() != ".deb") continue;
+    if (!entry.path().filename().string().starts_with("cliquevo_")) continue;  // what a vehicle installs
     const Finished made =
         Subprocess({std::string(CLIQUEVO_SOURCE_DIR) + "/tests/system/service_root", entry.path(), folder()})
             .wait(900.0);

@@ -6,7 +6,7 @@ endif()
 if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
   # One of its cases compiles the library once more, as a part of another project.
   cliquevo_add_test(test_system_install system SOURCES install_test.cpp TIMEOUT 1500
-    DEPENDS cliquevod cliquevo cliquevo_odometry cliquevo_headers_verify_interface_header_sets
+    DEPENDS cliquevod cliquevo pages cliquevo_odometry cliquevo_headers_verify_interface_header_sets
     ENVIRONMENT "CLIQUEVO_CACHE=${PROJECT_BINARY_DIR}/renders")
   target_compile_definitions(test_system_install PRIVATE
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
@@ -20,8 +20,15 @@ endif()
 # The package and its unit in a booted container.
 if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
   cliquevo_add_system_test(test_system_service SOURCES service_test.cpp booted_root.cpp
-    LIBRARIES cliquevo_lcmtypes fmt::fmt DEPENDS cliquevod cliquevo cliquevo_odometry)
+    LIBRARIES cliquevo_lcmtypes fmt::fmt DEPENDS cliquevod cliquevo pages cliquevo_odometry)
   target_compile_definitions(test_system_service PRIVATE
+    CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+endif()
+# The packages on a bare Debian.
+if(CLIQUEVO_DRAWING AND NOT CLIQUEVO_SANITIZE)
+  cliquevo_add_system_test(test_packages SOURCES packages_test.cpp
+    DEPENDS cliquevod cliquevo pages cliquevo_base cliquevo_stereo cliquevo_vo)
+  target_compile_definitions(test_packages PRIVATE CLIQUEVO_VERSION="${PROJECT_VERSION}"
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()
 if(TARGET cliquevod)

@@ -112,6 +112,9 @@ TEST_F(ServiceTest, StartsReloadsAndEndsAsSystemdExpects) {
   EXPECT_NE(root->run({"journalctl", "-u", "cliquevod", "--no-pager"}).out.find("log.level is now debug"),
             std::string::npos);
   EXPECT_EQ(root->property("ActiveState"), "active");
+  // A change of state can be searched for.
+  const Finished running = root->run({"journalctl", "--no-pager", "-o", "json", "CLIQUEVO_STATE=running"});
+  EXPECT_NE(running.out.find("\"CLIQUEVO_FRAMES_DROPPED\""), std::string::npos) << running.out << running.err;
 
   const auto begin = Clock::now();
   EXPECT_EQ(root->run({"systemctl", "stop", "cliquevod"}).exit_code, 0);

@@ -21,6 +21,7 @@ constexpr auto kPatience = std::chrono::seconds(10);  // for a request to come i
 constexpr std::size_t kMostPages = 32;
 constexpr std::size_t kMostConnections = 96;
 constexpr std::uint32_t kMostHeadBytes = 8192;
+constexpr const char* kMetricsPath = "/metrics";
 // No other place may give the page anything, and nobody may frame it.
 constexpr const char* kPolicy =
     "default-src 'self'; connect-src 'self'; img-src 'self' blob: data:; style-src 'self' 'unsafe-inline'; "
@@ -57,6 +58,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void answer();
   void reply(int status, const Judgement& judgement, const PageFile* file);
 
+  std::string metrics_;  // stays until it has been sent
   beast::tcp_stream stream_;
   BeastServer& server_;
   beast::flat_buffer buffer_;
@@ -74,6 +76,7 @@ class BeastServer final : public Server {
 
   bool start_page(beast::tcp_stream&& stream, const HttpRequest& request);
   const AccessRules& rules() const { return rules_; }
+  std::string metrics() const { return telling_.metrics(); }
   std::size_t connections = 0;
 
  private:
@@ -125,6 +128,11 @@ void Connection::answer() {
   if (upgrade) {
     if (!server_.start_page(std::move(stream_), request)) reply(503, judgement, nullptr);
     return;
+  }
+  if (judgement.path == kMetricsPath) {
+    metrics_ = server_.metrics();
+    const PageFile page{kMetricsPath, "text/plain; version=0.0.4; charset=utf-8", metrics_};
+    return reply(200, judgement, &page);
   }
   const PageFile* file = find_page_file(judgement.path);
   reply(file != nullptr ? 200 : 404, judgement, file);

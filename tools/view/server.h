@@ -24,6 +24,8 @@ struct Telling {
   std::function<std::string()> hello;  // JSON object, once a page
   // JSON object, whenever its text has changed.
   std::function<std::string()> state;
+  // What /metrics answers, in Prometheus' text format.
+  std::function<std::string()> metrics;
   // Does what was asked for; what comes of it is in the state.
   std::function<void(PageCommand::What)> command;
 };

@@ -13,6 +13,7 @@
 #include "core/base/caught.h"
 #include "daemon/control/control_client.h"
 #include "tools/view/base64.h"
+#include "tools/view/metrics.h"
 
 extern char** environ;
 
@@ -118,6 +119,7 @@ Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
   Telling telling;
   telling.hello = [&] { return hello(*feed, options); };
   telling.state = [&] { return state(*feed, **store, recording); };
+  telling.metrics = [&] { return metrics_text(feed->state(), options.version); };
   telling.command = [&](PageCommand::What what) { recording.turn(what == PageCommand::What::record_start); };
   auto server = Server::open(options.server, **store, std::move(telling));
   if (!server) return server.error();

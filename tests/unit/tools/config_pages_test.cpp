@@ -18,7 +18,6 @@ std::string in_tree(const std::string& path) { return test::read_file(std::strin
 TEST(ConfigPages, TheFilesInTheTreeAreUpToDate) {
   EXPECT_EQ(in_tree("config/cliquevo.yaml"), config_sample()) << "run tools/generate";
   EXPECT_EQ(in_tree("config/cliquevo.schema.json"), config_schema()) << "run tools/generate";
-  EXPECT_EQ(in_tree("config/completion.bash"), config_completion()) << "run tools/generate";
   EXPECT_EQ(in_tree("docs/configuration.md"), config_page()) << "run tools/generate";
 }
 

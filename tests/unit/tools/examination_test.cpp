@@ -34,7 +34,7 @@ TEST(Examination, AMachineMadeForItIsFoundGood) {
   put(root, "proc/sys/kernel/sched_rt_runtime_us", "950000");
   put(root, "proc/sys/vm/compact_unevictable_allowed", "0");
   put(root, "proc/sys/net/core/rmem_max", "8388608");
-  const auto findings = examine("", root);
+  const auto findings = examine({}, root);
   for (const char* subject : {"kernel preemption", "CPU frequency", "isolated cores", "real-time share", "page faults",
                               "receive buffers", "source and calibration"}) {
     EXPECT_EQ(find(findings, subject).verdict, Verdict::good) << subject << ": " << find(findings, subject).found;
@@ -50,7 +50,7 @@ TEST(Examination, WhatIsNotGoodComesWithARemedy) {
   put(root, "proc/sys/kernel/sched_rt_runtime_us", "0");
   put(root, "proc/sys/vm/compact_unevictable_allowed", "1");
   put(root, "proc/sys/net/core/rmem_max", "212992");
-  const auto findings = examine("", root);
+  const auto findings = examine({}, root);
   for (const char* subject :
        {"kernel preemption", "CPU frequency", "isolated cores", "page faults", "receive buffers", "video nodes"}) {
     EXPECT_EQ(find(findings, subject).verdict, Verdict::advice) << subject;
@@ -63,7 +63,7 @@ TEST(Examination, WhatIsNotGoodComesWithARemedy) {
 }
 
 TEST(Examination, ABrokenConfigurationIsAFindingToo) {
-  const Finding f = find(examine("/no/such/file.yaml"), "configuration");
+  const Finding f = find(examine({"/no/such/file.yaml", {}}), "configuration");
   EXPECT_EQ(f.verdict, Verdict::missing);
   EXPECT_NE(f.found.find("/no/such/file.yaml"), std::string::npos);
 }

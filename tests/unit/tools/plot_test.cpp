@@ -9,6 +9,7 @@
 #include "tests/support/test_data.h"
 #include "tools/chart.h"
 #include "tools/output_file.h"
+#include "tools/picture_format.h"
 
 namespace cliquevo::tools {
 namespace {

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <sstream>
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 #include <yaml-cpp/yaml.h>
 
+#include "daemon/pipeline/command_line.h"
 #include "daemon/pipeline/keys/keys.h"
 #include "tests/support/test_data.h"
 
@@ -213,6 +215,48 @@ TEST(Config, RelativePathsStartFromTheFile) {
   EXPECT_EQ(read->source.recording.path, folder.substr(0, folder.rfind('/')) + "/run");
   EXPECT_EQ(read->source.recording.left_mask, "/m.png");
   EXPECT_EQ(read->source.recording.right_mask, "");
+}
+
+TEST(Config, SettingsWinOverFilesAndLaterFilesOverEarlierOnes) {
+  const std::string dir = test::scratch_dir();
+  std::ofstream(dir + "/cliquevo.yaml") << "stereo: {window: 11, workers: 1}\nlog: {level: warn}\n";
+  std::filesystem::create_directory(dir + "/cliquevo.yaml.d");
+  std::ofstream(dir + "/cliquevo.yaml.d/20-b.yaml") << "stereo: {window: 15}\n";
+  std::ofstream(dir + "/cliquevo.yaml.d/10-a.yaml") << "stereo: {window: 13, num_disparities: 32}\n";
+  std::ofstream(dir + "/cliquevo.yaml.d/ignored.txt") << "no configuration";
+  EXPECT_EQ(config_files_in(dir).size(), 3U);
+  const auto found = read_daemon_config({"", {"stereo.num_disparities=48", "lcm.url=file:///tmp/a: b?mode=w"}}, dir);
+  ASSERT_TRUE(found.ok()) << found.error().line();
+  EXPECT_EQ(found->stereo.window, 15);
+  EXPECT_EQ(found->stereo.workers, 1);
+  EXPECT_EQ(found->stereo.num_disparities, 48);
+  EXPECT_EQ(found->log_level, "warn");
+  EXPECT_EQ(found->lcm.url, "file:///tmp/a: b?mode=w");
+  // A file that is named stands alone.
+  const auto named = read_daemon_config({dir + "/cliquevo.yaml.d/20-b.yaml", {}}, dir);
+  ASSERT_TRUE(named.ok());
+  EXPECT_EQ(named->log_level, default_config().log_level);
+  EXPECT_TRUE(config_files_in(dir + "/nowhere").empty());
+}
+
+TEST(Config, SettingsThatAreWrongAreNamed) {
+  const auto refused = [](const std::string& setting) {
+    const auto read = read_config(ConfigSources{{}, {setting}});
+    return read ? "" : read.error().line();
+  };
+  EXPECT_NE(
+      refused("stereo.windw=11").find("unknown key 'stereo.windw': --set stereo.windw=11: did you mean 'window'?"),
+      std::string::npos)
+      << refused("stereo.windw=11");
+  EXPECT_NE(refused("sterio.window=11").find("did you mean 'stereo'?"), std::string::npos);
+  EXPECT_NE(refused("stereo.window=twelve").find("wrong value for 'stereo.window': --set stereo.window=twelve"),
+            std::string::npos);
+  EXPECT_NE(refused("stereo.window=12").find("--set stereo.window=12"), std::string::npos);
+  EXPECT_NE(refused("stereo=12").find("unknown key 'stereo'"), std::string::npos);
+  for (const char* none : {"", "=", "stereo.window", "=5"})
+    EXPECT_NE(refused(none).find("not a setting"), std::string::npos);
+  EXPECT_FALSE(refused("stereo.window=*a").empty());
+  EXPECT_FALSE(refused("stereo.window=[[[[[[[[[[[[[[[[[[[[[[[1").empty());
 }
 
 TEST(Config, WhatIsWrongIsNamedWithItsLine) {

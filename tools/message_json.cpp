@@ -1,0 +1,205 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "tools/message_json.h"
+
+#include <cstdint>
+
+#include <cliquevo/command_t.hpp>
+#include <cliquevo/features_t.hpp>
+#include <cliquevo/health_t.hpp>
+#include <cliquevo/images_t.hpp>
+#include <cliquevo/movers_t.hpp>
+#include <cliquevo/pose_t.hpp>
+#include <cliquevo/status_t.hpp>
+#include <cliquevo/update_t.hpp>
+
+namespace cliquevo::tools {
+
+namespace {
+
+using json = nlohmann::ordered_json;
+
+json json_of(const pose_t& m) {
+  return {{"utime", m.utime},
+          {"pos", m.pos},
+          {"vel", m.vel},
+          {"orientation", m.orientation},
+          {"rotation_rate", m.rotation_rate},
+          {"accel", m.accel}};
+}
+
+json json_of(const update_t& m) {
+  json covariance = json::array();
+  for (const auto& row : m.covariance) covariance.push_back(row);
+  return {{"timestamp", m.timestamp}, {"prev_timestamp", m.prev_timestamp}, {"translation", m.translation},
+          {"rotation", m.rotation},   {"covariance", covariance},           {"estimate_status", m.estimate_status}};
+}
+
+json json_of(const status_t& m) {
+  return {{"utime", m.utime},
+          {"publish_utime", m.publish_utime},
+          {"frame", m.frame},
+          {"status", m.status},
+          {"pose_is_guess", m.pose_is_guess != 0},
+          {"repaired", m.repaired != 0},
+          {"features", m.features},
+          {"matches", m.matches},
+          {"clique", m.clique},
+          {"inliers", m.inliers},
+          {"reprojection_error_px", m.reprojection_error_px},
+          {"eigenvalue_ratio", m.eigenvalue_ratio},
+          {"quality", m.quality},
+          {"check_ratio", m.check_ratio},
+          {"checks_failed", m.checks_failed},
+          {"expected_error_px", m.expected_error_px},
+          {"disparity_shift_px", m.disparity_shift_px},
+          {"disparity_shift_sigma_px", m.disparity_shift_sigma_px},
+          {"rectify_us", m.rectify_us},
+          {"stereo_us", m.stereo_us},
+          {"odometry_us", m.odometry_us},
+          {"features_us", m.features_us},
+          {"scores_us", m.scores_us},
+          {"matches_us", m.matches_us},
+          {"clique_us", m.clique_us},
+          {"motion_us", m.motion_us},
+          {"grabbed_utime", m.grabbed_utime},
+          {"stereo_begin_utime", m.stereo_begin_utime},
+          {"stereo_end_utime", m.stereo_end_utime},
+          {"odometry_begin_utime", m.odometry_begin_utime},
+          {"odometry_end_utime", m.odometry_end_utime},
+          {"dropped", m.dropped},
+          {"resets", m.resets},
+          {"disparity_offset_px", m.disparity_offset_px},
+          {"disparity_offset_sigma_px", m.disparity_offset_sigma_px},
+          {"vertical_px", m.vertical_px},
+          {"vertical_sigma_px", m.vertical_sigma_px},
+          {"calibration_off", m.calibration_off != 0},
+          {"vehicle_in_view", m.vehicle_in_view != 0}};
+}
+
+json json_of(const health_t& m) {
+  return {{"utime", m.utime},
+          {"state", m.state},
+          {"state_text", m.state_text},
+          {"uptime_s", m.uptime_s},
+          {"grab_rate_hz", m.grab_rate_hz},
+          {"pose_rate_hz", m.pose_rate_hz},
+          {"valid_share", m.valid_share},
+          {"frames_grabbed", m.frames_grabbed},
+          {"poses_sent", m.poses_sent},
+          {"frames_dropped", m.frames_dropped},
+          {"frames_rejected", m.frames_rejected},
+          {"source_errors", m.source_errors},
+          {"send_errors", m.send_errors},
+          {"resets", m.resets},
+          {"latency_p50_us", m.latency_p50_us},
+          {"latency_p99_us", m.latency_p99_us},
+          {"latency_max_us", m.latency_max_us},
+          {"latency_p999_us", m.latency_p999_us},
+          {"stage_name", m.stage_name},
+          {"stage_p50_us", m.stage_p50_us},
+          {"stage_p99_us", m.stage_p99_us},
+          {"resident_bytes", m.resident_bytes},
+          {"temperature_name", m.temperature_name},
+          {"temperature_c", m.temperature_c},
+          {"source_text", m.source_text},
+          {"recording_text", m.recording_text},
+          {"incident_text", m.incident_text},
+          {"calibration_text", m.calibration_text},
+          {"right_eye_deg", m.right_eye_deg},
+          {"right_eye_sigma_deg", m.right_eye_sigma_deg},
+          {"view_text", m.view_text}};
+}
+
+json json_of(const mover_t& m) {
+  json covariance = json::array();
+  for (const auto& row : m.covariance) covariance.push_back(row);
+  return {{"id", m.id},
+          {"frames", m.frames},
+          {"of_vehicle", m.of_vehicle != 0},
+          {"centre", m.centre},
+          {"velocity", m.velocity},
+          {"translation", m.translation},
+          {"rotation", m.rotation},
+          {"covariance", covariance},
+          {"reprojection_error_px", m.reprojection_error_px},
+          {"inliers", m.inliers},
+          {"pixel", m.pixel},
+          {"point", m.point}};
+}
+
+json json_of(const movers_t& m) {
+  json movers = json::array();
+  for (const mover_t& mover : m.movers) movers.push_back(json_of(mover));
+  return {{"utime", m.utime}, {"prev_utime", m.prev_utime}, {"movers", movers}};
+}
+
+json json_of(const features_t& m) {
+  return {{"utime", m.utime},
+          {"width", m.width},
+          {"height", m.height},
+          {"fx_px", m.fx_px},
+          {"fy_px", m.fy_px},
+          {"cx_px", m.cx_px},
+          {"cy_px", m.cy_px},
+          {"baseline_m", m.baseline_m},
+          {"doffs_px", m.doffs_px},
+          {"camera_translation", m.camera_translation},
+          {"camera_rotation", m.camera_rotation},
+          {"check_value", m.check_value},
+          {"check_bound", m.check_bound},
+          {"x", m.x},
+          {"y", m.y},
+          {"from_x", m.from_x},
+          {"from_y", m.from_y},
+          {"disparity", m.disparity},
+          {"error", m.error},
+          {"role", m.role}};
+}
+
+json json_of(const images_t& m) {
+  json images = json::array();
+  for (const image_t& image : m.images) {
+    images.push_back({{"width", image.width},
+                      {"height", image.height},
+                      {"row_stride", image.row_stride},
+                      {"pixelformat", image.pixelformat},
+                      {"size", image.size}});
+  }
+  return {{"utime", m.utime}, {"image_types", m.image_types}, {"images", images}};
+}
+
+json json_of(const command_t& m) { return {{"utime", m.utime}, {"command", m.command}, {"argument", m.argument}}; }
+
+template <typename Message>
+std::optional<json> decoded(const void* data, std::size_t size) {
+  Message message;
+  const int bytes = static_cast<int>(size);
+  if (message.decode(data, 0, bytes) != bytes) return std::nullopt;
+  return json_of(message);
+}
+
+struct Type {
+  std::int64_t fingerprint;
+  std::optional<json> (*decode)(const void* data, std::size_t size);
+};
+template <typename Message>
+Type type() {
+  return {Message::getHash(), decoded<Message>};
+}
+
+}  // namespace
+
+std::optional<json> message_json(const void* data, std::size_t size) {
+  static const Type types[] = {type<pose_t>(),   type<update_t>(),   type<status_t>(), type<health_t>(),
+                               type<movers_t>(), type<features_t>(), type<images_t>(), type<command_t>()};
+  constexpr std::size_t kMostBytes = std::size_t{1} << 30U;
+  if (size < 8 || size > kMostBytes) return std::nullopt;
+  std::uint64_t fingerprint = 0;
+  for (int i = 0; i < 8; ++i) fingerprint = fingerprint << 8U | static_cast<const std::uint8_t*>(data)[i];
+  for (const Type& each : types) {
+    if (static_cast<std::uint64_t>(each.fingerprint) == fingerprint) return each.decode(data, size);
+  }
+  return std::nullopt;
+}
+
+}  // namespace cliquevo::tools
