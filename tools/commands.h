@@ -9,8 +9,12 @@
 
 namespace cliquevo::tools {
 
+inline constexpr const char* kCalibratePurpose =
+    "Calibrate a stereo rig from views of a board, or correct it by driving";
+
 void add_replay_command(CLI::App& app, int& exit_code);
 void add_eval_command(CLI::App& app, int& exit_code);
+void add_calibrate_command(CLI::App& app, int& exit_code);
 void add_config_command(CLI::App& app, int& exit_code);
 void add_compare_command(CLI::App& app, int& exit_code);
 void add_disparity_command(CLI::App& app, int& exit_code);

@@ -7,9 +7,6 @@
 
 #include "core/base/caught.h"
 #include "core/base/standard_streams.h"
-#ifdef CLIQUEVO_CALIBRATE
-#include "tools/calibrate/calibrate.h"
-#endif
 #include "tools/cameras.h"
 #include "tools/commands.h"
 #include "tools/ctl.h"
@@ -52,9 +49,7 @@ int run(int argc, char** argv) {
 #ifdef CLIQUEVO_ARAVIS
   add_hil_command(app, exit_code);
 #endif
-#ifdef CLIQUEVO_CALIBRATE
   add_calibrate_command(app, exit_code);
-#endif
   add_config_command(app, exit_code);
   add_ctl_command(app, exit_code);
   add_doctor_command(app, exit_code);

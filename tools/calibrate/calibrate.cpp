@@ -16,6 +16,7 @@
 #include "tools/calibrate/print_board.h"
 #include "tools/calibrate/report.h"
 #include "tools/calibrate/summary.h"
+#include "tools/commands.h"
 #include "tools/exit_code.h"
 #include "tools/output_file.h"
 #include "tools/source_argument.h"
@@ -182,9 +183,9 @@ int run(const CalibrateArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_command(CLI::App& app, int& exit_code) {
+void add_board_calibration_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<CalibrateArguments>();
-  CLI::App* command = app.add_subcommand("calibrate", "Calibrate a stereo rig from views of a board");
+  CLI::App* command = app.add_subcommand("calibrate", kCalibratePurpose);
   command->add_option("SOURCE", arguments->source.text,
                       "A recording or folder of image pairs; left out: the configuration's source (cameras)");
   command
