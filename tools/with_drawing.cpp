@@ -47,7 +47,7 @@ Result<const Drawing*> find_drawing(const std::string&) {
 void add_drawing_commands(CLI::App& app, int& exit_code, const std::string& version) {
   add_view_command(app, exit_code, version);
 #ifdef CLIQUEVO_CALIBRATE
-  add_calibrate_command(app, exit_code);
+  add_board_calibration_command(app, exit_code);
 #endif
 }
 

@@ -183,7 +183,7 @@ int run(const CalibrateArguments& arguments) {
 
 }  // namespace
 
-void add_calibrate_command(CLI::App& app, int& exit_code) {
+void add_board_calibration_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<CalibrateArguments>();
   CLI::App* command = app.add_subcommand("calibrate", kCalibratePurpose);
   command->add_option("SOURCE", arguments->source.text,

@@ -5,6 +5,6 @@
 
 namespace cliquevo::tools {
 
-void add_calibrate_command(CLI::App& app, int& exit_code);
+void add_board_calibration_command(CLI::App& app, int& exit_code);
 
 }  // namespace cliquevo::tools
