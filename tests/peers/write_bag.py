@@ -12,11 +12,12 @@ import os
 import sqlite3
 import struct
 import sys
+from decimal import Decimal
 
 import numpy as np
 from PIL import Image as Picture
 
-START_S = 1_700_000_000
+START_S = 1_700_000_000  # of folders whose times begin at 0
 TOPICS = ("/stereo/{}/image_raw", "/stereo/{}/camera_info")
 
 
@@ -26,7 +27,9 @@ def read_folder(folder):
         rows = dict(line.split(":", 1) for line in file if ":" in line)
     projections = [[float(v) for v in rows[name].split()] for name in ("P0", "P1")]
     with open(f"{folder}/times.txt", encoding="ascii") as file:
-        stamps = [START_S * 10**9 + round(float(line) * 1e9) for line in file if line.strip()]
+        times = [Decimal(line) for line in file if line.strip()]
+    start = START_S if times[0] < 10**8 else 0
+    stamps = [int((start + time) * 10**9) for time in times]
     names = sorted(os.listdir(f"{folder}/image_0"))
     pairs = [(stamp, *(np.array(Picture.open(f"{folder}/image_{camera}/{name}").convert("L")) for camera in (0, 1)))
              for stamp, name in zip(stamps, names)]
