@@ -21,7 +21,7 @@ class Odometry {
   // For images that are rectified already: rows are epipolar lines.
   static Result<Odometry> make(const StereoModel& model, const OdometryParams& params = {},
                                const OdometryMasks& masks = {});
-  // For images as the calibration describes them: as grabbed, or rectified where it says so.
+  // For images as the calibration describes them: as grabbed, or rectified where it has that flag.
   static Result<Odometry> make(const StereoCalibration& calibration, const OdometryParams& params = {},
                                const OdometryMasks& masks = {});
   Odometry(Odometry&&) noexcept;

@@ -39,7 +39,7 @@ int main() {
   for (int frame = 0; frame < 6; ++frame) {
     cliquevo::TimestampNs stamp_ns = 0;
     const std::uint8_t* both = camera.grab(stamp_ns);
-    // Rows of the two images lie 2 * kWidth pixels apart: a view says so, nothing is copied.
+    // Rows of the two images lie 2 * kWidth pixels apart: that is the stride of a view, nothing is copied.
     const cliquevo::ImageView<const std::uint8_t> left(both, Camera::kWidth, Camera::kHeight, 2 * Camera::kWidth);
     const cliquevo::ImageView<const std::uint8_t> right(both + Camera::kWidth, Camera::kWidth, Camera::kHeight,
                                                         2 * Camera::kWidth);

@@ -19,7 +19,8 @@ bool is_path(const py::object& object);
 // stamp: seconds; stamp_ns: whole nanoseconds; exactly one of them is not None.
 TimestampNs stamp_of(const py::object& stamp, const py::object& stamp_ns);
 
-// The defaults; or those with what a configuration file says (`config`); or with a dict of its keys ("stereo.window").
+// The defaults; or those with the values of a configuration file (`config`); or with a dict of its keys
+// ("stereo.window").
 daemon::Config config_of(const py::object& settings, const py::object& config);
 
 // Other Python threads run on while work() does; one thread at a time is in what the mutex guards.

@@ -19,7 +19,7 @@ struct Event {
   std::vector<std::uint8_t> data;
 };
 
-// What is in the log is looked up once; the bytes are read as they are asked for.
+// What is in the log is looked up once; the bytes of an event are read when it is used.
 class Log {
  public:
   explicit Log(drivers::EventLogReader reader) : reader_(std::move(reader)) {

@@ -13,7 +13,7 @@ COURSE = {"width": 160, "height": 120, "focal_px": 180, "frames": 6, "cache_dir"
 
 
 class Sources(Case):
-    def test_a_source_says_what_it_is(self):
+    def test_a_source_describes_itself(self):
         source = cliquevo.open(SMALL)
         self.assertEqual((source.width, source.height, source.frame_count, source.rate_hz), (320, 240, 12, 30.0))
         self.assertTrue(source.calibration.rectified)
@@ -133,7 +133,7 @@ class Logs(Case):
             self.assertEqual(one.right.tobytes(), other.right.tobytes())
         self.assertEqual(cliquevo.Log(log).channels["VO_STEREO"], 12)
 
-    def test_torn_logs_and_messages_are_told(self):
+    def test_torn_logs_and_messages_are_reported(self):
         whole = self.log.read_bytes()
         torn = self.folder / "torn.lcm"
         torn.write_bytes(whole[:-5])

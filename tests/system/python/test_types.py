@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""The type stubs say what the module has, and the examples hold to them."""
+"""The type stubs match the module, and the examples hold to them."""
 import os
 import subprocess
 import sys

@@ -49,7 +49,7 @@ _TYPES = {bytes(t._get_packed_fingerprint()): t for t in lcm_types.TYPES}
 
 
 def decode(data: bytes) -> Any:
-    """The message in these bytes, an object of lcm_types; its type is told by the first eight of them."""
+    """The message in these bytes, an object of lcm_types; the first eight of them identify its type."""
     kind = _TYPES.get(bytes(data[:8]))
     if kind is None:
         raise Error("cannot decode the message: unknown type: see that it is one of cliquevo's, of this version")
