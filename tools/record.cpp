@@ -79,9 +79,7 @@ class Target {
   std::optional<drivers::Recorder> log_;
 };
 
-Result<daemon::Config> config_of(const RecordArguments& arguments) {
-  return daemon::read_config(arguments.config);
-}
+Result<daemon::Config> config_of(const RecordArguments& arguments) { return daemon::read_config(arguments.config); }
 
 Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& arguments, const daemon::Config& config) {
   if (!arguments.source.text.empty()) return open_source(arguments.source, config.source);
