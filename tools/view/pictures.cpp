@@ -48,8 +48,13 @@ JpegEncoder::~JpegEncoder() {
 Bytes JpegEncoder::encode(ImageView<const std::uint8_t> grey, int quality) {
   Impl& m = *impl_;
   if (!m.usable || grey.empty()) return {};
+  // libjpeg does not free a buffer of ours that turns out too small: each picture gets its own.
+  std::free(m.memory);
+  m.memory = nullptr;
+  m.size = 0;
   if (setjmp(m.failure.out) != 0) {
     jpeg_abort_compress(&m.info);
+    m.memory = nullptr;  // it may have been replaced
     return {};
   }
   jpeg_mem_dest(&m.info, &m.memory, &m.size);

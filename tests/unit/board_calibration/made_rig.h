@@ -9,6 +9,13 @@
 
 namespace cliquevo::calibration {
 
+// How many rigs a test may take: instructions are ten times as slow under the address sanitizer.
+#if defined(__SANITIZE_ADDRESS__)
+inline constexpr std::uint64_t kRigs = 4;
+#else
+inline constexpr std::uint64_t kRigs = 20;
+#endif
+
 struct MadeRig {
   Rig rig;
   Board board;
