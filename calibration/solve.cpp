@@ -108,20 +108,19 @@ std::optional<RigPose> find_rig(const Board& board, std::vector<View>& views, co
   return best;
 }
 
-SharedMask everything(const LensModel& model, const SolveOptions& options, const Board& board) {
+SharedMask everything(const LensModel& model, const SolveOptions& options) {
   SharedMask mask{};
   for (const int first : {0, kFirstOfRight}) {
     for (int i = 0; i < model.size(); ++i) mask[static_cast<std::size_t>(first + i)] = true;
     if (options.square_pixels) mask[static_cast<std::size_t>(first + 1)] = false;
   }
   for (int i = kFirstOfPose; i < kShared; ++i) mask[static_cast<std::size_t>(i)] = true;
-  (void)board;
   return mask;
 }
 
-AdjustmentOptions options_of(const LensModel& model, const SolveOptions& options, const Board& board, bool robust) {
+AdjustmentOptions options_of(const LensModel& model, const SolveOptions& options, bool robust) {
   AdjustmentOptions out;
-  out.estimated = everything(model, options, board);
+  out.estimated = everything(model, options);
   out.square_pixels = options.square_pixels;
   out.robust = robust;
   return out;
@@ -210,19 +209,19 @@ Result<Solution> solve_with(const Board& board, std::vector<View> views, int wid
   Solution s;
   s.views = std::move(views);
   std::vector<RigidTransform> poses = view_poses(s.views, *left, *right, rig.T_right_left);
-  s.adjusted = adjust(board, s.views, rig, poses, options_of(model, options, board, true));
+  s.adjusted = adjust(board, s.views, rig, poses, options_of(model, options, true));
   for (int round = 0; round < 2; ++round) {
     poses = s.adjusted.T_left_board;
     if (!drop_outliers(board, s, poses)) break;
     if (s.views.size() < kLeastViews) break;
-    s.adjusted = adjust(board, s.views, s.rig(), poses, options_of(model, options, board, true));
+    s.adjusted = adjust(board, s.views, s.rig(), poses, options_of(model, options, true));
   }
   if (s.views.size() < kLeastViews) {
     return Error{"too few views agree",
                  fmt::format("{} of {}", s.views.size(), s.views.size() + s.dropped_views.size()),
                  "a calibration needs at least 5: is the board flat, still, and the one that was named?"};
   }
-  s.adjusted = adjust(board, s.views, s.rig(), s.adjusted.T_left_board, options_of(model, options, board, false));
+  s.adjusted = adjust(board, s.views, s.rig(), s.adjusted.T_left_board, options_of(model, options, false));
   return s;
 }
 
@@ -312,7 +311,7 @@ Result<Solution> solve(const Board& board, std::vector<View> views, int width, i
       if (!failure) failure = solution.error();
       continue;
     }
-    solution->held_out = hold_out(board, *solution, options_of(model, options, board, false));
+    solution->held_out = hold_out(board, *solution, options_of(model, options, false));
     tried.push_back({model.name, solution->held_out});
     const double error = solution->held_out.reprojection_rms_px;
     if (best && !(error < kClearlyBetter * best->held_out.reprojection_rms_px)) continue;

@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include "stereo/rectification.h"
 

@@ -233,29 +233,4 @@ std::string BoardDetector::nearest_guess(ImageView<const std::uint8_t> image) co
   return "";
 }
 
-double sharpness(ImageView<const std::uint8_t> image, const std::vector<SeenCorner>& corners) {
-  constexpr int kReach = 4;
-  double sum = 0.0;
-  double count = 0.0;
-  for (const SeenCorner& c : corners) {
-    const int x = static_cast<int>(std::lround(c.px.x()));
-    const int y = static_cast<int>(std::lround(c.px.y()));
-    if (x < kReach + 1 || y < kReach + 1 || x >= image.width - kReach - 1 || y >= image.height - kReach - 1) continue;
-    int least = 255, most = 0, steepest = 0;
-    for (int dy = -kReach; dy <= kReach; ++dy) {
-      for (int dx = -kReach; dx <= kReach; ++dx) {
-        const int p = image(x + dx, y + dy);
-        least = std::min(least, p);
-        most = std::max(most, p);
-        steepest = std::max({steepest, std::abs(image(x + dx + 1, y + dy) - image(x + dx - 1, y + dy)),
-                             std::abs(image(x + dx, y + dy + 1) - image(x + dx, y + dy - 1))});
-      }
-    }
-    if (most - least < 10) continue;
-    sum += 0.5 * steepest / (most - least);
-    count += 1.0;
-  }
-  return count > 0.0 ? sum / count : 0.0;
-}
-
 }  // namespace cliquevo::tools

@@ -29,7 +29,4 @@ class BoardDetector {
   std::unique_ptr<Impl> impl_;
 };
 
-// How sharp an image is at its corners: the mean gradient over the contrast about them, 1/px.
-double sharpness(ImageView<const std::uint8_t> image, const std::vector<calibration::SeenCorner>& corners);
-
 }  // namespace cliquevo::tools

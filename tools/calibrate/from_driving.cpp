@@ -37,10 +37,6 @@ drivers::SourceInfo described(const drivers::SourceInfo& info, const StereoCalib
   return out;
 }
 
-struct Ends {
-  std::optional<RigidTransform> first, last;
-};
-
 Result<DrivenRun> drive(drivers::FrameSource& source, const StereoCalibration& calibration,
                         const daemon::Config& config, int round) {
   daemon::PipelineParams params;
