@@ -57,12 +57,20 @@ if(CLIQUEVO_DRAWING)
     string(APPEND licence "\n\n${part}, inside the view's page:\n\n${text}")
   endforeach()
   cliquevo_package(tools cliquevo-tools science "cliquevo (= ${PROJECT_VERSION})" "view, plots and reports of cliquevo"
-"What is seen, in a browser: cliquevo view, live or of a recording; and
-the options --plot and --report of replay, eval and compare.")
+"What is seen, in a browser: cliquevo view, live or of a recording; the
+options --plot and --report of replay, eval and compare; calibration from
+views of a board; video files as recordings.")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_SHLIBDEPS ON)
   set(CPACK_DEBIAN_TOOLS_PACKAGE_REPLACES "cliquevo (<< 0.2.0)")
   set(CPACK_DEBIAN_TOOLS_PACKAGE_BREAKS "cliquevo (<< 0.2.0)")
   file(READ LICENSE licence)
+endif()
+
+if(CLIQUEVO_ROS2)
+  cliquevo_package(ros2 cliquevo-ros2 science "cliquevo (= ${PROJECT_VERSION})" "poses of cliquevo for ROS 2"
+"The bridge cliquevo ros2: odometry, transforms, images and diagnostics
+for ROS 2 over DDS. No ROS needs to be installed.")
+  set(CPACK_DEBIAN_ROS2_PACKAGE_SHLIBDEPS ON)
 endif()
 
 cliquevo_package(dev libcliquevo-dev libdevel libeigen3-dev "cliquevo's stereo and odometry as a library"

@@ -14,7 +14,7 @@ struct Metric {
   const char* member;  // of the health message
   const char* name;
   const char* type;
-  double scale;
+  double per_unit;  // the member, divided by this
   const char* help;
 };
 constexpr Metric kMetrics[] = {
@@ -29,9 +29,9 @@ constexpr Metric kMetrics[] = {
     {"source_errors", "source_errors_total", "counter", 1.0, "Errors of the camera or recording."},
     {"send_errors", "send_errors_total", "counter", 1.0, "Messages that LCM did not take."},
     {"resets", "resets_total", "counter", 1.0, "Resets of the pose to the origin."},
-    {"latency_p50_us", "latency_median_seconds", "gauge", 1e-6, "From frame to pose over the last second: median."},
-    {"latency_p99_us", "latency_p99_seconds", "gauge", 1e-6, "From frame to pose over the last second: 99 %."},
-    {"latency_max_us", "latency_max_seconds", "gauge", 1e-6, "From frame to pose over the last second: the longest."},
+    {"latency_p50_us", "latency_median_seconds", "gauge", 1e6, "From frame to pose over the last second: median."},
+    {"latency_p99_us", "latency_p99_seconds", "gauge", 1e6, "From frame to pose over the last second: 99 %."},
+    {"latency_max_us", "latency_max_seconds", "gauge", 1e6, "From frame to pose over the last second: the longest."},
     {"resident_bytes", "resident_memory_bytes", "gauge", 1.0, "Memory in use."},
 };
 
@@ -59,7 +59,7 @@ std::string metrics_text(const FeedState& state, const std::string& version) {
   for (const Metric& metric : kMetrics) {
     const auto value = health.find(metric.member);
     if (value == health.end() || !value->is_number()) continue;
-    out += one(metric.name, metric.type, metric.help, fmt::format(" {}", metric.scale * value->get<double>()));
+    out += one(metric.name, metric.type, metric.help, fmt::format(" {}", value->get<double>() / metric.per_unit));
   }
   return out;
 }

@@ -10,12 +10,12 @@
 
 #include "core/base/camera_model.h"
 #include "drivers/recording.h"
+#include "tests/support/subprocess.h"
 
 namespace cliquevo::test {
 
 // A file with this content; folders are made as needed. Returns its path.
 std::string write_file(const std::string& path, const std::string& content);
-std::string read_file(const std::string& path);
 
 // A grey textured image that differs with `seed`; the extension chooses the format.
 void write_image(const std::string& path, int width, int height, int seed);

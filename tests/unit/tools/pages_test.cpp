@@ -100,7 +100,8 @@ TEST(Completion, ZshAndFishTakeTheirFiles) {
   const std::string fish = written("player.fish", fish_completion(words(example)));
   const test::Finished by_fish =
       test::run({"fish", "--no-config", "-c", "source " + fish + "; complete -C 'player run --format '"});
-  EXPECT_EQ(by_fish.out, "kitti\ntum\n") << by_fish.err;
+  // Each with its option's meaning behind a tab.
+  EXPECT_EQ(by_fish.out, "kitti\tOf the output [px]\ntum\tOf the output [px]\n") << by_fish.err;
   EXPECT_EQ(by_fish.err, "");
 }
 

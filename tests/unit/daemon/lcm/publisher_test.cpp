@@ -4,6 +4,7 @@
 #include <bot_core/pose_t.hpp>
 #include <fovis/update_t.hpp>
 
+#include <cliquevo/odometry_t.hpp>
 #include <cliquevo/status_t.hpp>
 #include <lcm/lcm-cpp.hpp>
 
@@ -67,6 +68,12 @@ TEST(Publisher, EveryFrameGivesOneMessageOnEachChannelInOrder) {
     EXPECT_EQ(status.utime, utime);
     EXPECT_EQ(status.frame, i);
     EXPECT_GT(status.publish_utime, 1'600'000'000'000'000);
+    event = log.readNextEvent();
+    ASSERT_NE(event, nullptr);
+    EXPECT_EQ(event->channel, "VO_ODOMETRY");
+    const auto odometry = decoded<odometry_t>(*event);
+    EXPECT_EQ(odometry.utime, utime);
+    EXPECT_NEAR(odometry.position[0], 0.1 * i, 1e-9);
   }
   EXPECT_EQ(log.readNextEvent(), nullptr);
 }
