@@ -23,7 +23,12 @@ constexpr double kMostMegabytes = 100.0;
 std::string folder() { return std::string(CLIQUEVO_BUILD_DIR) + "/packages-test"; }
 std::string root() { return folder() + "/root"; }
 
-Finished in_root(const std::string& line) { return Subprocess({"chroot", root(), "sh", "-c", line}).wait(600.0); }
+// With /proc, as every machine and container has it.
+Finished in_root(const std::string& line) {
+  return Subprocess({"unshare", "--mount", "--propagation", "private", "sh", "-c",
+                     R"(mount -t proc proc "$0/proc" && exec chroot "$0" sh -c "$1")", root(), line})
+      .wait(600.0);
+}
 
 // The package of this name; its file ends in _ARCHITECTURE.deb.
 std::string package(const std::string& place, const std::string& name) {
@@ -153,6 +158,17 @@ TEST_F(Packages, WithTheToolsTheSameCommandDraws) {
   EXPECT_EQ(read_file(root() + "/var/tmp/plain.txt"), read_file(root() + "/var/tmp/drawn.txt"));
 }
 
+TEST_F(Packages, TheBridgeToRos2IsFoundWhereItsPackagePutsIt) {
+  if (package("one", "cliquevo-ros2").empty()) GTEST_SKIP() << "built without Cyclone DDS";
+  ASSERT_EQ(install("cliquevo").exit_code, 0);
+  const Finished missing = in_root("cliquevo ros2 --help");
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_NE(missing.err.find("install cliquevo-ros2"), std::string::npos) << missing.err;
+  const Finished installed = install("cliquevo-ros2");
+  ASSERT_EQ(installed.exit_code, 0) << installed.out << installed.err;
+  EXPECT_EQ(in_root("cliquevo ros2 --help").exit_code, 0);
+}
+
 TEST_F(Packages, TheDaemonFindsItsConfigurationAndPiecesBesideIt) {
   ASSERT_EQ(install("cliquevo").exit_code, 0);
   fs::create_directories(root() + "/etc/cliquevo/cliquevo.yaml.d");
@@ -169,8 +185,9 @@ TEST_F(Packages, AnUpgradeKeepsTheConfigurationAndTakesTheFilesOver) {
   in_root("apt-get -qq -y purge cliquevo cliquevo-tools libcliquevo-dev");
   const std::string old = folder() + "/old";
   fs::remove_all(old);
-  for (const char* name : {"libcliquevo-dev", "cliquevo-tools", "cliquevo"}) {
-    ASSERT_EQ(run({"dpkg-deb", "-R", package("one", name), old}).exit_code, 0);
+  ASSERT_EQ(run({"dpkg-deb", "-R", package("one", "cliquevo"), old}).exit_code, 0);
+  for (const char* name : {"libcliquevo-dev", "cliquevo-tools"}) {
+    ASSERT_EQ(run({"dpkg-deb", "-x", package("one", name), old}).exit_code, 0);
   }
   ASSERT_EQ(run({"sed", "-i", "s/^Version: .*/Version: 0.1.0/", old + "/DEBIAN/control"}).exit_code, 0);
   std::ofstream(old + "/etc/cliquevo/cliquevo.yaml") << "log:\n  level: warn\n";
