@@ -34,11 +34,6 @@ std::mutex& library_mutex() {
   return mutex;
 }
 
-bool has_feature(ArvCamera* camera, const char* feature) {
-  GlibError error;
-  return arv_camera_is_feature_available(camera, feature, error.out()) != 0 && !error.failed();
-}
-
 // The library's name of the camera that is called so: by serial number, address or any other name of it.
 std::optional<std::string> find_device(const std::string& name) {
   for (unsigned i = 0; i < arv_get_n_devices(); ++i) {
@@ -229,22 +224,7 @@ Result<void> AravisCamera::set_up(const CameraOptions& options, bool follows) {
   if ((options.width > 0 && width != options.width) || (options.height > 0 && height != options.height)) {
     return refused("the size", fmt::format("it gives {}x{}: set width and height to that", width, height));
   }
-  // The follower's own control is off: it takes what the leader found.
-  const bool automatic = !options.exposure_us && !follows;
-  if (has_feature(camera, "ExposureAuto")) {
-    arv_camera_set_exposure_time_auto(camera, automatic ? ARV_AUTO_CONTINUOUS : ARV_AUTO_OFF, error.out());
-  }
-  if (has_feature(camera, "GainAuto")) {
-    arv_camera_set_gain_auto(camera, !options.gain && !follows ? ARV_AUTO_CONTINUOUS : ARV_AUTO_OFF, error.out());
-  }
-  if (options.exposure_us) {
-    arv_camera_set_exposure_time(camera, *options.exposure_us, error.out());
-    if (error.failed()) return refused("the exposure time", error.text());
-  }
-  if (options.gain) {
-    arv_camera_set_gain(camera, *options.gain, error.out());
-    if (error.failed()) return refused("the gain", error.text());
-  }
+  if (auto ok = set_up_exposure(options, follows); !ok) return ok;
   if (options.ptp) {
     const char* feature = ptp_feature(has_feature(camera, ptp_feature(true)));
     if (!has_feature(camera, feature)) return refused("PTP", "it does not offer it: set ptp to false");
@@ -353,20 +333,5 @@ std::optional<AravisFrame> AravisCamera::take(std::uint64_t timeout_us) {
 void AravisCamera::give_back(const AravisFrame& frame) { arv_stream_push_buffer(stream_.get(), frame.buffer); }
 
 void AravisCamera::trigger() { arv_camera_software_trigger(camera_.get(), GlibError().out()); }
-
-std::optional<double> AravisCamera::exposure_us() {
-  GlibError error;
-  const double value = arv_camera_get_exposure_time(camera_.get(), error.out());
-  return error.failed() ? std::nullopt : std::optional(value);
-}
-std::optional<double> AravisCamera::gain() {
-  GlibError error;
-  const double value = arv_camera_get_gain(camera_.get(), error.out());
-  return error.failed() ? std::nullopt : std::optional(value);
-}
-void AravisCamera::set_exposure_us(double value) {
-  arv_camera_set_exposure_time(camera_.get(), value, GlibError().out());
-}
-void AravisCamera::set_gain(double value) { arv_camera_set_gain(camera_.get(), value, GlibError().out()); }
 
 }  // namespace cliquevo::drivers

@@ -13,6 +13,7 @@
 #include "drivers/aravis/handles.h"
 #include "drivers/images/bayer.h"
 #include "drivers/live/camera_options.h"
+#include "drivers/live/exposure_control.h"
 
 namespace cliquevo::drivers {
 
@@ -46,10 +47,16 @@ class AravisCamera {
   std::optional<double> gain();
   void set_exposure_us(double value);
   void set_gain(double value);
+  // Where the exposure time has a limit that the camera's own control does not know: from a picture of the leader, what
+  // to set next. false: the camera looks after itself.
+  bool controls_exposure() const { return exposure_range_.has_value(); }
+  void control_exposure(ImageView<const std::uint8_t> image);
 
  private:
   AravisCamera() = default;
   Result<void> set_up(const CameraOptions& options, bool follows);
+  Result<void> set_up_exposure(const CameraOptions& options, bool follows);
+  Result<void> limit_exposure(double limit_us);
   Result<void> set_up_trigger(const CameraOptions& options);
   Result<void> choose_format(const std::string& wanted);
   Result<void> open_stream(const CameraOptions& options);
@@ -68,7 +75,11 @@ class AravisCamera {
   AravisSamples samples_{8, {}, false};
   MosaicToGrey to_grey_;
   Image<std::uint8_t> converted_;
+  std::optional<ExposureRange> exposure_range_;  // of a control of our own
 };
+
+// Whether the camera has the feature of this name, at present.
+bool has_feature(ArvCamera* camera, const char* feature);
 
 // Packets that wait too long are lost: real-time priority for the calling thread, as far as it is granted.
 void hurry_this_thread();

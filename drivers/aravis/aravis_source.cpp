@@ -32,7 +32,8 @@ using std::chrono::steady_clock;
 constexpr milliseconds kFirstRetry{200};
 constexpr milliseconds kLastRetry{2000};
 constexpr std::uint64_t kTakeUs = 100'000;
-constexpr std::int64_t kFollowNs = 500'000'000;  // how often the right camera takes over the left one's exposure
+constexpr std::int64_t kFollowNs = 500'000'000;   // how often the right camera takes over the left one's exposure
+constexpr std::int64_t kControlNs = 250'000'000;  // how often a control of our own acts
 constexpr double kMostSkewS = 0.005;
 constexpr std::uint16_t kGvcpPort = 3956;
 
@@ -123,6 +124,7 @@ class AravisPair final : public FrameSource {
     pairs_.set_state(side, "");
     bool delivered = false;
     std::int64_t next_follow_ns = 0;
+    std::int64_t next_control_ns = 0;
     if (side == CameraSide::right) {  // a camera that comes back has forgotten
       followed_exposure_us_ = 0.0;
       followed_gain_ = -1.0;
@@ -133,6 +135,10 @@ class AravisPair final : public FrameSource {
         if (frame->whole) {
           pairs_.push(side, {frame->image, frame->stamp_ns, now_ns, utc_now_ns()});
           delivered = true;
+          if (camera.controls_exposure() && now_ns >= next_control_ns) {
+            next_control_ns = now_ns + kControlNs;
+            camera.control_exposure(frame->image);
+          }
         } else {
           pairs_.count_incomplete(side);
         }

@@ -217,10 +217,37 @@ Result<void> LibcameraCamera::set_controls(const CameraOptions& options) {
     if (has(libcamera::controls::AeEnable)) controls_.set(libcamera::controls::AeEnable, false);
     controls_.set(libcamera::controls::ExposureTime, static_cast<std::int32_t>(std::lround(*options.exposure_us)));
   }
+  if (options.exposure_max_us > 0.0 && !options.exposure_us) {
+    if (auto ok = limit_exposure(options); !ok) return ok;
+  }
   if (options.gain) {
     if (!has(libcamera::controls::AnalogueGain)) return refused("the gain (set gain to auto)");
     controls_.set(libcamera::controls::AnalogueGain, static_cast<float>(*options.gain));
   }
+  return {};
+}
+
+// libcamera's own control knows no limit of the exposure time: it is ours that acts.
+Result<void> LibcameraCamera::limit_exposure(const CameraOptions& options) {
+  const libcamera::ControlInfoMap& offered = camera_->controls();
+  const auto time = offered.find(&libcamera::controls::ExposureTime);
+  if (time == offered.end() || time->second.min().get<std::int32_t>() > options.exposure_max_us) {
+    return refused("so short a limit of its exposure time (set exposure_max_us to more, or to 0)");
+  }
+  ExposureRange range;
+  range.least.exposure_us = std::max(1, time->second.min().get<std::int32_t>());
+  range.most.exposure_us = std::min<double>(time->second.max().get<std::int32_t>(), options.exposure_max_us);
+  const auto gain = offered.find(&libcamera::controls::AnalogueGain);
+  if (gain != offered.end()) {
+    range.least.gain = gain->second.min().get<float>();
+    range.most.gain = gain->second.max().get<float>();
+  }
+  if (options.gain) range.least.gain = range.most.gain = *options.gain;
+  exposure_range_ = range;
+  if (offered.find(&libcamera::controls::AeEnable) != offered.end()) {
+    controls_.set(libcamera::controls::AeEnable, false);
+  }
+  controls_.set(libcamera::controls::ExposureTime, static_cast<std::int32_t>(range.most.exposure_us));
   return {};
 }
 
@@ -252,9 +279,13 @@ void LibcameraCamera::completed(libcamera::Request* request) {
   frame.stamp_utc_ns = stamp_ns + (frame.arrival_utc_ns - frame.arrival_mono_ns);
   if (const auto exposure_us = request->metadata().get(libcamera::controls::ExposureTime)) {
     exposure_us_ = *exposure_us;
+    frame.taken_with.exposure_us = *exposure_us;
     frame.stamp_utc_ns += std::int64_t{*exposure_us} * 500;  // the stamp is of its start
   }
-  if (const auto gain = request->metadata().get(libcamera::controls::AnalogueGain)) gain_ = *gain;
+  if (const auto gain = request->metadata().get(libcamera::controls::AnalogueGain)) {
+    gain_ = *gain;
+    frame.taken_with.gain = *gain;
+  }
   frame.sequence = metadata.sequence;
   const Mapped& mapped = mapped_.at(buffer);
   frame.whole = metadata.status == libcamera::FrameMetadata::FrameSuccess;

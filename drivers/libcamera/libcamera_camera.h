@@ -7,12 +7,14 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/base/result.h"
 #include "drivers/libcamera/compatibility.h"
 #include "drivers/live/camera_options.h"
+#include "drivers/live/exposure_control.h"
 #include "drivers/pixels/pixels.h"
 
 namespace cliquevo::drivers {
@@ -24,6 +26,7 @@ struct LibcameraFrame {
   std::int64_t arrival_mono_ns = 0;
   std::int64_t sequence = 0;  // the driver's count
   bool whole = false;
+  ExposureSetting taken_with;  // 0 = unknown
 };
 
 class LibcameraCamera {
@@ -47,6 +50,8 @@ class LibcameraCamera {
   // What the sensor's last frame was taken with; 0 = unknown.
   std::int32_t exposure_us() const { return exposure_us_; }
   float gain() const { return gain_; }
+  // Where the exposure time has a limit: what a control of ours chooses from; the camera's own is off then.
+  const std::optional<ExposureRange>& exposure_range() const { return exposure_range_; }
   // For the frames to come.
   void follow(std::int32_t exposure_us, float gain);
 
@@ -55,6 +60,7 @@ class LibcameraCamera {
   Result<void> configure(const CameraOptions& options);
   Result<void> map_buffers();
   Result<void> set_controls(const CameraOptions& options);
+  Result<void> limit_exposure(const CameraOptions& options);
   void completed(libcamera::Request* request);
   void disconnected() { lost_ = true; }
   Error refused(const std::string& what) const;
@@ -72,6 +78,7 @@ class LibcameraCamera {
   std::map<const libcamera::FrameBuffer*, Mapped> mapped_;
   std::vector<std::unique_ptr<libcamera::Request>> requests_;
   libcamera::ControlList controls_;
+  std::optional<ExposureRange> exposure_range_;
   bool acquired_ = false;
   bool started_ = false;
   int width_ = 0;

@@ -13,6 +13,7 @@ namespace cliquevo::drivers {
 
 namespace {
 
+constexpr std::int64_t kControlNs = 250'000'000;  // how often an exposure control of our own acts
 constexpr auto kTick = std::chrono::milliseconds(50);
 constexpr std::int64_t kFirstRetryNs = 200'000'000;
 constexpr std::int64_t kLastRetryNs = 2'000'000'000;
@@ -40,6 +41,7 @@ Result<std::unique_ptr<LibcameraPairs>> LibcameraPairs::open(const CameraOptions
                  fmt::format("they give {}x{} and {}x{}: set width and height", left.width(), left.height(),
                              out->cameras_[1]->width(), out->cameras_[1]->height())};
   }
+  out->exposure_range_ = left.exposure_range();
   out->fourcc_ = left.fourcc();
   out->width_ = image_width(options.layout, left.fourcc(), left.width());
   out->height_ = left.height();
@@ -77,6 +79,7 @@ void LibcameraPairs::hand_on(CameraSide side, const LibcameraFrame& frame) {
     return;
   }
   if (converted.flawed) pairs_->count_flawed(side);
+  if (exposure_range_ && side == CameraSide::left) control_exposure(frame);
   const LiveFrame left{first.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns, frame.sequence};
   if (options_.layout == CameraLayout::two_cameras) {
     pairs_->push(side, left);
@@ -85,6 +88,28 @@ void LibcameraPairs::hand_on(CameraSide side, const LibcameraFrame& frame) {
   LiveFrame right = left;
   right.image = second.cview();
   pairs_->push_pair(left, right);
+}
+
+void LibcameraPairs::control_exposure(const LibcameraFrame& frame) {
+  if (frame.arrival_mono_ns < next_control_ns_) return;
+  next_control_ns_ = frame.arrival_mono_ns + kControlNs;
+  if (frame.taken_with.exposure_us > 0.0) wanted_ = frame.taken_with;  // else it will be what was set last
+  if (wanted_.exposure_us <= 0.0) wanted_.exposure_us = exposure_range_->most.exposure_us;
+  wanted_ = next_exposure(grey_[0][0].cview(), wanted_, *exposure_range_);
+  wanted_exposure_us_ = static_cast<std::int32_t>(wanted_.exposure_us);
+  wanted_gain_ = static_cast<float>(wanted_.gain);
+}
+
+// One exposure and gain for both cameras: what our control wants, or what the left one's has found.
+void LibcameraPairs::share_exposure() {
+  if (options_.exposure_us || !cameras_[0]) return;
+  LibcameraCamera* right = options_.layout == CameraLayout::two_cameras ? cameras_[1].get() : nullptr;
+  if (exposure_range_ && wanted_exposure_us_ > 0) {
+    cameras_[0]->follow(wanted_exposure_us_, wanted_gain_);
+    if (right != nullptr) right->follow(wanted_exposure_us_, wanted_gain_);
+  } else if (right != nullptr && cameras_[0]->exposure_us() > 0) {
+    right->follow(cameras_[0]->exposure_us(), cameras_[0]->gain());
+  }
 }
 
 // Looks after both cameras: opens again what is lost or silent, and has the right one follow the left one's exposure.
@@ -120,9 +145,7 @@ void LibcameraPairs::watch() {
       next_try_ns[i] = now_ns + pause_ns[i];
       pause_ns[i] = std::min(2 * pause_ns[i], kLastRetryNs);
     }
-    if (camera_count == 2 && cameras_[0] && cameras_[1] && !options_.exposure_us && cameras_[0]->exposure_us() > 0) {
-      cameras_[1]->follow(cameras_[0]->exposure_us(), cameras_[0]->gain());
-    }
+    share_exposure();
   }
 }
 

@@ -31,6 +31,8 @@ class LibcameraPairs {
   explicit LibcameraPairs(const CameraOptions& options) : options_(options) {}
   Result<std::unique_ptr<LibcameraCamera>> open_camera(CameraSide side, OpenTrouble& trouble);
   void hand_on(CameraSide side, const LibcameraFrame& frame);
+  void control_exposure(const LibcameraFrame& frame);
+  void share_exposure();
   void watch();
 
   CameraOptions options_;
@@ -40,6 +42,11 @@ class LibcameraPairs {
   std::unique_ptr<LivePairs> pairs_;
   Image<std::uint8_t> grey_[2][2];               // libcamera's thread's: of each camera, half of its frame
   std::unique_ptr<LibcameraCamera> cameras_[2];  // once it runs, the watching thread's
+  std::optional<ExposureRange> exposure_range_;  // of a control of our own
+  ExposureSetting wanted_;                       // libcamera's thread's
+  std::int64_t next_control_ns_ = 0;             // likewise
+  std::atomic<std::int32_t> wanted_exposure_us_{0};
+  std::atomic<float> wanted_gain_{0.0F};
   std::atomic<bool> stop_{false};
   std::thread watcher_;
 };

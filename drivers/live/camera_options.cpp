@@ -30,6 +30,7 @@ Result<void> CameraOptions::check() const {
   if (offset_y < 0 || offset_y > 16384) return bad("offset_y", "give 0 to 16384");
   if (binning < 1 || binning > 16) return bad("binning", "give 1 to 16");
   if (exposure_us && !(*exposure_us > 0.0 && *exposure_us <= 1e7)) return bad("exposure_us", "give more than 0");
+  if (!(exposure_max_us >= 0.0 && exposure_max_us <= 1e7)) return bad("exposure_max_us", "give 0 (no limit) or more");
   if (packet_size < 0 || packet_size > 65535) return bad("packet_size", "give 0 (as large as gets through) to 65535");
   return {};
 }

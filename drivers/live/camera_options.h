@@ -45,6 +45,7 @@ struct CameraOptions {
   std::string pixel_format;           // empty = grey with 8 bits where offered
   std::optional<double> exposure_us;  // none: the left camera's own control, followed by the right
   std::optional<double> gain;         // likewise, in the camera's unit
+  double exposure_max_us = 0.0;       // limit of the automatic exposure time; 0 = none
   CameraTrigger trigger = CameraTrigger::off;
   std::string trigger_line = "Line1";
   bool shared_clock = false;  // both cameras stamp by one clock

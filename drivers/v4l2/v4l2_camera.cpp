@@ -27,14 +27,6 @@ namespace {
 constexpr std::uint32_t kBuffers = 6;
 constexpr std::int64_t kYoungNs = 10'000'000'000;  // a node of this age may still be root's alone: udev is about to act
 
-int control_device(int descriptor, unsigned long request, void* argument) {
-  int result = 0;
-  do {
-    result = ::ioctl(descriptor, request, argument);
-  } while (result < 0 && errno == EINTR);
-  return result;
-}
-
 std::int64_t now_ns(clockid_t clock) {
   timespec now = {};
   ::clock_gettime(clock, &now);
@@ -46,19 +38,6 @@ std::string group_of(const std::string& path) {
   if (::stat(path.c_str(), &status) != 0) return "video";
   const group* entry = ::getgrgid(status.st_gid);
   return entry != nullptr ? entry->gr_name : std::to_string(status.st_gid);
-}
-
-std::string plain_name(const char* name) {
-  std::string out;
-  for (const char* c = name; *c != '\0'; ++c) {
-    if (std::isalnum(static_cast<unsigned char>(*c)) != 0) {
-      out += static_cast<char>(std::tolower(static_cast<unsigned char>(*c)));
-    } else if (!out.empty() && out.back() != '_') {
-      out += '_';
-    }
-  }
-  while (!out.empty() && out.back() == '_') out.pop_back();
-  return out;
 }
 
 bool is_young(const std::string& path) {
@@ -80,6 +59,14 @@ Error cannot_open(const std::string& path) {
 }
 
 }  // namespace
+
+int control_device(int descriptor, unsigned long request, void* argument) {
+  int result = 0;
+  do {
+    result = ::ioctl(descriptor, request, argument);
+  } while (result < 0 && errno == EINTR);
+  return result;
+}
 
 OpenTrouble trouble_of(int error_number) {
   switch (error_number) {
@@ -235,67 +222,6 @@ Result<void> V4l2Camera::set_rate(double rate_hz) const {
   if (got_hz <= 0.0 || std::abs(got_hz - rate_hz) <= 0.05 * rate_hz) return {};
   return Error{"camera refuses the frame rate", path_,
                fmt::format("it gives {:.3f} Hz where {:.3f} are asked: set rate_hz to that", got_hz, rate_hz)};
-}
-
-std::optional<std::int32_t> V4l2Camera::control(std::uint32_t id) const {
-  v4l2_control control = {id, 0};
-  if (control_device(descriptor_, VIDIOC_G_CTRL, &control) != 0) return std::nullopt;
-  return control.value;
-}
-
-bool V4l2Camera::set_control(std::uint32_t id, std::int32_t value) const {
-  v4l2_control control = {id, value};
-  return control_device(descriptor_, VIDIOC_S_CTRL, &control) == 0;
-}
-
-std::vector<std::pair<std::string, std::uint32_t>> V4l2Camera::list_controls() const {
-  std::vector<std::pair<std::string, std::uint32_t>> out;
-  v4l2_queryctrl query = {};
-  query.id = V4L2_CTRL_FLAG_NEXT_CTRL;
-  while (control_device(descriptor_, VIDIOC_QUERYCTRL, &query) == 0) {
-    if ((query.flags & V4L2_CTRL_FLAG_DISABLED) == 0 && query.type != V4L2_CTRL_TYPE_CTRL_CLASS) {
-      out.emplace_back(plain_name(reinterpret_cast<const char*>(query.name)), query.id);
-    }
-    query.id |= V4L2_CTRL_FLAG_NEXT_CTRL;
-  }
-  return out;
-}
-
-Result<void> V4l2Camera::set_controls(const CameraOptions& options, bool follows) {
-  const bool manual = options.exposure_us.has_value() || follows;
-  set_control(V4L2_CID_EXPOSURE_AUTO, manual ? V4L2_EXPOSURE_MANUAL : V4L2_EXPOSURE_APERTURE_PRIORITY);
-  if (options.gain.has_value() || follows) set_control(V4L2_CID_AUTOGAIN, 0);
-  if (options.exposure_us) {
-    const auto value = static_cast<std::int32_t>(std::lround(*options.exposure_us / 100.0));
-    if (!set_control(V4L2_CID_EXPOSURE_ABSOLUTE, value)) return refused("the exposure time (set exposure_us to auto)");
-    exposure_ns_ = static_cast<std::int64_t>(value) * 100'000;
-  }
-  if (options.gain && !set_control(V4L2_CID_GAIN, static_cast<std::int32_t>(std::lround(*options.gain)))) {
-    return refused("the gain (set gain to auto)");
-  }
-  const auto known = list_controls();
-  for (std::size_t begin = 0; begin < options.controls.size();) {
-    const std::size_t end = std::min(options.controls.find(',', begin), options.controls.size());
-    const std::string item = options.controls.substr(begin, end - begin);
-    begin = end + 1;
-    const std::size_t equals = item.find('=');
-    const std::string name = item.substr(0, equals);
-    const auto found = std::find_if(known.begin(), known.end(), [&](const auto& c) { return c.first == name; });
-    if (found == known.end()) {
-      std::vector<std::string> names;
-      for (const auto& control : known) names.push_back(control.first);
-      return Error{"no such control", fmt::format("{}: {}", path_, name),
-                   fmt::format("it has {}", fmt::join(names, ", "))};
-    }
-    std::int32_t value = 0;
-    const char* from = item.data() + std::min(equals, item.size() - 1) + 1;
-    const auto [stop, failed] = std::from_chars(from, item.data() + item.size(), value);
-    if (equals == std::string::npos || failed != std::errc{} || stop != item.data() + item.size()) {
-      return Error{"wrong control", fmt::format("{}: {}", path_, item), "give name=number,name=number"};
-    }
-    if (!set_control(found->second, value)) return refused("the control " + item);
-  }
-  return {};
 }
 
 Result<void> V4l2Camera::map_buffers() {

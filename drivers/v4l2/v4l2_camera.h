@@ -10,6 +10,7 @@
 
 #include "core/base/result.h"
 #include "drivers/live/camera_options.h"
+#include "drivers/live/exposure_control.h"
 #include "drivers/pixels/pixels.h"
 
 namespace cliquevo::drivers {
@@ -47,6 +48,9 @@ class V4l2Camera {
 
   std::optional<std::int32_t> control(std::uint32_t id) const;
   bool set_control(std::uint32_t id, std::int32_t value) const;
+  // Where the exposure time has a limit: from a picture of the leader, what to set next.
+  bool controls_exposure() const { return exposure_range_.has_value(); }
+  void control_exposure(ImageView<const std::uint8_t> image);
   // Names as `v4l2-ctl` has them: small letters and underscores.
   std::vector<std::pair<std::string, std::uint32_t>> list_controls() const;
 
@@ -57,6 +61,8 @@ class V4l2Camera {
   Result<void> choose_format(const CameraOptions& options);
   Result<void> set_rate(double rate_hz) const;
   Result<void> set_controls(const CameraOptions& options, bool follows);
+  Result<void> set_named_controls(const std::string& controls) const;
+  Result<void> limit_exposure(const CameraOptions& options);
   Result<void> map_buffers();
   bool give_back(std::uint32_t index) const;
   TimestampNs stamp_of(std::int64_t driver_ns, std::uint32_t flags, const V4l2Frame& frame) const;
@@ -74,8 +80,12 @@ class V4l2Camera {
   std::vector<Mapped> buffers_;
   std::optional<std::uint32_t> taken_;
   std::int64_t exposure_ns_ = 0;                        // 0 = not known
+  std::optional<ExposureRange> exposure_range_;         // of a control of our own
   mutable OpenTrouble trouble_ = OpenTrouble::lasting;  // of the last refusal
 };
+
+// ioctl(), again when a signal cut it short.
+int control_device(int descriptor, unsigned long request, void* argument);
 
 // What a failed system call on a camera's node means for who would wait: EBUSY that it is held, ENODEV and the like
 // that it is not there or falling off its bus.

@@ -21,6 +21,7 @@ constexpr milliseconds kLastRetry{2000};
 constexpr int kTakeMs = 100;
 constexpr std::int64_t kSilentNs = 3'000'000'000;  // a stream that has stopped without a word is opened again
 constexpr std::int64_t kFollowNs = 500'000'000;
+constexpr std::int64_t kControlNs = 250'000'000;  // how often an exposure control of our own acts
 
 }  // namespace
 
@@ -107,6 +108,7 @@ bool V4l2Pairs::stream(CameraSide side, V4l2Camera& camera) {
   bool delivered = false;
   std::int64_t last_ns = monotonic_ns();
   std::int64_t next_follow_ns = 0;
+  std::int64_t next_control_ns = 0;
   const std::int64_t patience_ns = std::max(kSilentNs, static_cast<std::int64_t>(5e9 / options_.rate_hz));
   V4l2Frame frame;
   while (!stop_) {
@@ -118,8 +120,12 @@ bool V4l2Pairs::stream(CameraSide side, V4l2Camera& camera) {
     }
     if (taken == V4l2Taken::incomplete) pairs_.count_incomplete(side);
     if (taken == V4l2Taken::frame) {
-      hand_on(side, frame);
+      const bool whole = hand_on(side, frame);
       delivered = true;
+      if (whole && camera.controls_exposure() && now_ns >= next_control_ns) {
+        next_control_ns = now_ns + kControlNs;
+        camera.control_exposure(grey_[static_cast<std::size_t>(side)].left.cview());
+      }
     }
     if (taken != V4l2Taken::nothing) last_ns = now_ns;
     if (now_ns >= next_follow_ns) {
@@ -130,23 +136,25 @@ bool V4l2Pairs::stream(CameraSide side, V4l2Camera& camera) {
   return delivered;
 }
 
-void V4l2Pairs::hand_on(CameraSide side, const V4l2Frame& frame) {
+// false: the frame is not whole.
+bool V4l2Pairs::hand_on(CameraSide side, const V4l2Frame& frame) {
   Grey& grey = grey_[static_cast<std::size_t>(side)];
   const Conversion converted = to_grey(frame.raw, options_.layout, grey.left, grey.right);
   if (!converted.whole) {
     pairs_.count_incomplete(side);
-    return;
+    return false;
   }
   if (converted.flawed) pairs_.count_flawed(side);
   const LiveFrame left{grey.left.cview(), frame.stamp_utc_ns, frame.arrival_mono_ns, frame.arrival_utc_ns,
                        frame.sequence};
   if (options_.layout == CameraLayout::two_cameras) {
     pairs_.push(side, left);
-    return;
+    return true;
   }
   LiveFrame right = left;
   right.image = grey.right.cview();
   pairs_.push_pair(left, right);
+  return true;
 }
 
 // One exposure and gain for both cameras: the right one takes over what the left one's control has found.

@@ -37,7 +37,7 @@ class V4l2Pairs {
             int height);
   void run(CameraSide side, V4l2Camera first);
   bool stream(CameraSide side, V4l2Camera& camera);
-  void hand_on(CameraSide side, const V4l2Frame& frame);
+  bool hand_on(CameraSide side, const V4l2Frame& frame);
   void share_exposure(CameraSide side, const V4l2Camera& camera);
 
   CameraOptions options_;

@@ -194,6 +194,33 @@ TEST(AravisHil, TheRightCameraTakesOverWhatTheLeftOnesControlFound) {
   }
 }
 
+TEST(AravisHil, ALimitOfTheExposureTimeHoldsWhereTheCamerasOwnControlHasNone) {
+  CLIQUEVO_NEEDS_TWO_ADDRESSES();
+  const Course course;
+  Rig rig(course, {"--pingpong"});
+  rig.wait_until_seen();
+  drivers::CameraOptions options = camera_options(course, 10.0);
+  options.exposure_us.reset();
+  options.gain.reset();
+  {
+    drivers::CameraOptions left = options;
+    left.exposure_us = 9000.0;
+    drivers::OpenTrouble ignored = drivers::OpenTrouble::lasting;
+    EXPECT_TRUE(drivers::AravisCamera::open("HIL-LEFT", left, false, ignored).ok());
+  }
+  options.exposure_max_us = 2000.0;
+  {
+    const auto source = open(options);
+    ASSERT_NE(source, nullptr);
+    EXPECT_EQ(take(*source, course, 20).pairs, 20) << source->status();
+  }
+  options.exposure_max_us = 0.0;
+  const Setting left = setting_of("HIL-LEFT", options);
+  EXPECT_GT(left.exposure_us, 0.0);
+  EXPECT_LE(left.exposure_us, 2000.0);
+  EXPECT_LE(setting_of("HIL-RIGHT", options).exposure_us, 2000.0);
+}
+
 TEST(AravisHil, SoftwareTriggersExposeBothCamerasTogether) {
   CLIQUEVO_NEEDS_TWO_ADDRESSES();
   const Course course;

@@ -191,7 +191,7 @@ TEST_F(Packages, AnUpgradeKeepsTheConfigurationAndTakesTheFilesOver) {
   }
   ASSERT_EQ(run({"sed", "-i", "s/^Version: .*/Version: 0.1.0/", old + "/DEBIAN/control"}).exit_code, 0);
   std::ofstream(old + "/etc/cliquevo/cliquevo.yaml") << "log:\n  level: warn\n";
-  ASSERT_EQ(run({"dpkg-deb", "-b", old, root() + "/var/tmp/old.deb"}).exit_code, 0);
+  ASSERT_EQ(run({"dpkg-deb", "-Znone", "-b", old, root() + "/var/tmp/old.deb"}).exit_code, 0);
   const Finished first = in_root("apt-get -qq -y --no-install-recommends install /var/tmp/old.deb </dev/null");
   ASSERT_EQ(first.exit_code, 0) << first.err;
   std::ofstream(root() + "/etc/cliquevo/cliquevo.yaml") << "log:\n  level: debug  # mine\n";

@@ -66,6 +66,8 @@ void add_camera_image_keys(drivers::CameraOptions& cameras, KeyTable& t) {
          "the camera's name for it (Mono12, BayerRG8; YUYV, MJPG, RGGB); empty = grey where offered");
   t.number("exposure_us", cameras.exposure_us, "us", above(0),
            "of both cameras; auto = the left camera's own control, which the right one follows");
+  t.number("exposure_max_us", cameras.exposure_max_us, "us", between(0, 1e7),
+           "limit of the automatic exposure time, against motion blur: the gain makes up for it; 0 = none");
   t.number("gain", cameras.gain, "", any(), "of both cameras, in the camera's unit; auto = as exposure_us");
 }
 
