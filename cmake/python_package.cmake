@@ -11,4 +11,5 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "real-time stereo visual odometry for Python
 Stereo images as numpy arrays go in; 6-DOF poses with covariance and verdict
-come out. Recordings, logs, simulator and evaluation as in the command cliquevo.")
+come out. Recordings, logs, simulator and evaluation are those of the
+command cliquevo.")

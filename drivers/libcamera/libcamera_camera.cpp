@@ -13,6 +13,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "drivers/libcamera/log_filter.h"
+
 namespace cliquevo::drivers {
 
 namespace {
@@ -75,6 +77,7 @@ std::uint32_t to_v4l2(const PixelFormat& format) {
 }  // namespace
 
 libcamera::CameraManager* camera_manager() {
+  [[maybe_unused]] static const bool quiet = (show_only_errors_of_libcamera(), true);
   static libcamera::CameraManager manager;
   static const bool started = manager.start() == 0;
   return started ? &manager : nullptr;

@@ -13,11 +13,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// <prefix>/lib/cliquevo/video.so for a program in <prefix>/bin.
+// <prefix>/lib/cliquevo/modules/video.so for a program in <prefix>/bin or in <prefix>/libexec/cliquevo.
 std::string module_path() {
   std::error_code ec;
-  const fs::path program = fs::read_symlink("/proc/self/exe", ec);
-  return (program.parent_path().parent_path() / "lib/cliquevo/video.so").string();
+  const fs::path bin = fs::read_symlink("/proc/self/exe", ec).parent_path();
+  const fs::path place = "lib/cliquevo/modules/video.so";
+  const fs::path elsewhere = bin.parent_path().parent_path() / place;
+  return (fs::exists(elsewhere, ec) ? elsewhere : bin.parent_path() / place).string();
 }
 
 struct Module {

@@ -47,7 +47,7 @@ std::string install_package() {
     if (test::run({"which", tool}).exit_code != 0) return std::string("needs ") + tool;
   }
   const std::string packed = folder() + "/package";
-  const Finished pack = Subprocess({"cpack", "-G", "DEB", "--config",
+  const Finished pack = Subprocess({"cpack", "-G", "DEB", "-D", "CPACK_COMPONENTS_ALL=runtime", "--config",
                                     std::string(CLIQUEVO_BUILD_DIR) + "/CPackConfig.cmake", "-B", packed})
                             .wait(300.0);
   if (pack.exit_code != 0) return "cpack: " + pack.out + pack.err;

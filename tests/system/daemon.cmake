@@ -19,15 +19,15 @@ if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
 endif()
 # The package and its unit in a booted container.
 if(TARGET cliquevod AND NOT CLIQUEVO_SANITIZE)
-  cliquevo_add_system_test(test_system_service SOURCES service_test.cpp booted_root.cpp
+  cliquevo_add_system_test(test_system_service WHOLE SOURCES service_test.cpp booted_root.cpp
     LIBRARIES cliquevo_lcmtypes fmt::fmt DEPENDS cliquevod cliquevo pages cliquevo_odometry)
   target_compile_definitions(test_system_service PRIVATE
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()
 # The packages on a bare Debian.
 if(CLIQUEVO_DRAWING AND NOT CLIQUEVO_SANITIZE)
-  cliquevo_add_system_test(test_packages SOURCES packages_test.cpp
-    DEPENDS cliquevod cliquevo pages cliquevo_base cliquevo_stereo cliquevo_vo)
+  cliquevo_add_system_test(test_packages WHOLE SOURCES packages_test.cpp
+    DEPENDS cliquevod cliquevo pages cliquevo_odometry)
   target_compile_definitions(test_packages PRIVATE CLIQUEVO_VERSION="${PROJECT_VERSION}"
     CLIQUEVO_BUILD_DIR="${PROJECT_BINARY_DIR}" CLIQUEVO_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
 endif()

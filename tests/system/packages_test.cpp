@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string>
 #include <unistd.h>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -22,7 +23,12 @@ constexpr double kMostMegabytes = 100.0;
 std::string folder() { return std::string(CLIQUEVO_BUILD_DIR) + "/packages-test"; }
 std::string root() { return folder() + "/root"; }
 
-Finished in_root(const std::string& line) { return Subprocess({"chroot", root(), "sh", "-c", line}).wait(600.0); }
+// With /proc, as every machine and container has it.
+Finished in_root(const std::string& line) {
+  return Subprocess({"unshare", "--mount", "--propagation", "private", "sh", "-c",
+                     R"(mount -t proc proc "$0/proc" && exec chroot "$0" sh -c "$1")", root(), line})
+      .wait(600.0);
+}
 
 // The package of this name; its file ends in _ARCHITECTURE.deb.
 std::string package(const std::string& place, const std::string& name) {
@@ -31,6 +37,15 @@ std::string package(const std::string& place, const std::string& name) {
     if (file.starts_with(name + "_") && file.ends_with(".deb")) return entry.path();
   }
   return "";
+}
+
+// What this build packs; the last two where their libraries are there.
+std::vector<std::string> packages() {
+  std::vector<std::string> out{"cliquevo", "cliquevo-tools", "libcliquevo-dev"};
+  for (const char* name : {"cliquevo-ros2", "python3-cliquevo"}) {
+    if (!package("one", name).empty()) out.emplace_back(name);
+  }
+  return out;
 }
 
 Finished pack(const std::string& place) {
@@ -82,13 +97,13 @@ std::string Packages::why_not_;
 TEST_F(Packages, PackedTwiceAreTheSameBytes) {
   const Finished again = pack("two");
   ASSERT_EQ(again.exit_code, 0) << again.out << again.err;
-  for (const char* name : {"cliquevo", "cliquevo-tools", "libcliquevo-dev"}) {
+  for (const std::string& name : packages()) {
     EXPECT_EQ(run({"cmp", package("one", name), package("two", name)}).exit_code, 0) << name;
   }
 }
 
 TEST_F(Packages, LintianFindsNothing) {
-  for (const char* name : {"cliquevo", "cliquevo-tools", "libcliquevo-dev"}) {
+  for (const std::string& name : packages()) {
     const Finished found =
         Subprocess({"lintian", "--allow-root", "--fail-on", "error,warning", package("one", name)}).wait(300.0);
     EXPECT_EQ(found.exit_code, 0) << found.out << found.err;
@@ -143,6 +158,17 @@ TEST_F(Packages, WithTheToolsTheSameCommandDraws) {
   EXPECT_EQ(read_file(root() + "/var/tmp/plain.txt"), read_file(root() + "/var/tmp/drawn.txt"));
 }
 
+TEST_F(Packages, TheBridgeToRos2IsFoundWhereItsPackagePutsIt) {
+  if (package("one", "cliquevo-ros2").empty()) GTEST_SKIP() << "built without Cyclone DDS";
+  ASSERT_EQ(install("cliquevo").exit_code, 0);
+  const Finished missing = in_root("cliquevo ros2 --help");
+  EXPECT_EQ(missing.exit_code, 1);
+  EXPECT_NE(missing.err.find("install cliquevo-ros2"), std::string::npos) << missing.err;
+  const Finished installed = install("cliquevo-ros2");
+  ASSERT_EQ(installed.exit_code, 0) << installed.out << installed.err;
+  EXPECT_EQ(in_root("cliquevo ros2 --help").exit_code, 0);
+}
+
 TEST_F(Packages, TheDaemonFindsItsConfigurationAndPiecesBesideIt) {
   ASSERT_EQ(install("cliquevo").exit_code, 0);
   fs::create_directories(root() + "/etc/cliquevo/cliquevo.yaml.d");
@@ -159,8 +185,9 @@ TEST_F(Packages, AnUpgradeKeepsTheConfigurationAndTakesTheFilesOver) {
   in_root("apt-get -qq -y purge cliquevo cliquevo-tools libcliquevo-dev");
   const std::string old = folder() + "/old";
   fs::remove_all(old);
-  for (const char* name : {"libcliquevo-dev", "cliquevo-tools", "cliquevo"}) {
-    ASSERT_EQ(run({"dpkg-deb", "-R", package("one", name), old}).exit_code, 0);
+  ASSERT_EQ(run({"dpkg-deb", "-R", package("one", "cliquevo"), old}).exit_code, 0);
+  for (const char* name : {"libcliquevo-dev", "cliquevo-tools"}) {
+    ASSERT_EQ(run({"dpkg-deb", "-x", package("one", name), old}).exit_code, 0);
   }
   ASSERT_EQ(run({"sed", "-i", "s/^Version: .*/Version: 0.1.0/", old + "/DEBIAN/control"}).exit_code, 0);
   std::ofstream(old + "/etc/cliquevo/cliquevo.yaml") << "log:\n  level: warn\n";

@@ -27,7 +27,7 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 class ServiceTest : public testing::Test {
  protected:
   void SetUp() override {
-    const std::string why_not = install_package();
+    static const std::string why_not = install_package();
     if (why_not.rfind("needs ", 0) == 0) GTEST_SKIP() << why_not;
     ASSERT_EQ(why_not, "");
   }
@@ -68,7 +68,7 @@ void grant_rights(const BootedRoot& root) {
 TEST_F(ServiceTest, TheUnitIsSoundAndSandboxed) {
   const auto root = BootedRoot::boot();
   ASSERT_TRUE(root);
-  const Finished verify = root->run({"systemd-analyze", "verify", "/lib/systemd/system/cliquevod.service"});
+  const Finished verify = root->run({"systemd-analyze", "verify", "--man=no", "/lib/systemd/system/cliquevod.service"});
   EXPECT_EQ(verify.exit_code, 0);
   EXPECT_EQ(verify.out + verify.err, "");
   const Finished security = root->run({"systemd-analyze", "security", "--no-pager", "--threshold=20", "cliquevod"});

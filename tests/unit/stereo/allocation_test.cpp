@@ -23,6 +23,8 @@ void* take(std::size_t size, std::size_t alignment) {
 
 }  // namespace
 
+// g++ sees what was allocated here freed here, and not that both are the program's own.
+#pragma GCC diagnostic ignored "-Wmismatched-new-delete"
 void* operator new(std::size_t size) { return take(size, alignof(std::max_align_t)); }
 void* operator new(std::size_t size, std::align_val_t alignment) {
   return take(size, static_cast<std::size_t>(alignment));
