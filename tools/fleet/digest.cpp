@@ -14,6 +14,8 @@
 
 #include <fmt/format.h>
 
+#include "drivers/video/open_video.h"
+
 namespace cliquevo::tools::fleet {
 
 namespace fs = std::filesystem;
@@ -92,8 +94,7 @@ std::string compute_build_digest() {
   std::set<std::string> lines;
   ::dl_iterate_phdr(add_object, &lines);
   std::error_code none;
-  const fs::path program = fs::read_symlink("/proc/self/exe", none);
-  const fs::path videos = program.parent_path().parent_path() / "lib/cliquevo/video.so";
+  const std::string videos = drivers::video_module_path();
   if (fs::exists(videos, none)) lines.insert(fmt::format("videos {}", content_of(videos)));
   Digest digest;
   for (const std::string& line : lines) digest.field("object", line);
