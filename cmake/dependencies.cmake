@@ -21,6 +21,7 @@ if(CAIRO_FOUND)
 endif()
 option(CLIQUEVO_DRAWING "Plots, reports and the view: the program cliquevo-tools (needs Cairo)" ${drawing})
 pkg_check_modules(LCM REQUIRED IMPORTED_TARGET lcm)
+pkg_check_modules(GLIB REQUIRED IMPORTED_TARGET glib-2.0)  # which LCM is made with; its SHA-256
 
 # `cliquevo calibrate`: where both are there.
 find_package(OpenCV 4.5 QUIET COMPONENTS core imgproc calib3d aruco)

@@ -143,4 +143,26 @@ std::string comparison_report(const std::string& title, const json& comparison) 
                {"machine", machine()}}));
 }
 
+std::string fleet_report(const std::string& title, const json& fleet, const std::string& configurations) {
+  const json& units = fleet["units"];
+  std::string all = fmt::format("{} recordings, {} of {} units computed", fleet["recordings"].get<std::size_t>(),
+                                units["done"].get<std::size_t>(), units["all"].get<std::size_t>());
+  if (units["failed"] != 0) all += fmt::format(", {} failed", units["failed"].get<std::size_t>());
+  all += '.';
+  json lines = json::array();
+  if (const json& cost = fleet["cost"]; cost.contains("frames_a_second_a_core")) {
+    lines.push_back(
+        {{"text", fmt::format("{:.0f} frames a second and {:.0f} units an hour on one core, {:.1f} core hours",
+                              cost["frames_a_second_a_core"].get<double>(), cost["units_an_hour_a_core"].get<double>(),
+                              cost["wall_s"].get<double>() / 3600.0)},
+         {"warn", false}});
+  }
+  return view::report_page(text_of({{"title", title},
+                                    {"sentence", all},
+                                    {"lines", lines},
+                                    {"fleet", fleet},
+                                    {"configuration", configurations},
+                                    {"machine", machine()}}));
+}
+
 }  // namespace cliquevo::tools

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pages about a run, an evaluation or a comparison: one file each, made of the view's own parts, that opens from disk.
+// Pages about a run, an evaluation, a comparison or a fleet: one file each, made of the view's own parts, that opens
+// from disk.
 #pragma once
 
 #include <optional>
@@ -21,5 +22,7 @@ std::string evaluation_report(const std::string& title, const nlohmann::json& re
                               const daemon::Trajectory& estimate, const std::vector<PosePair>& pairs);
 // comparison: as `compare --json` prints it.
 std::string comparison_report(const std::string& title, const nlohmann::json& comparison);
+// fleet: as `fleet report --json` prints it; configurations: every key in force, of each.
+std::string fleet_report(const std::string& title, const nlohmann::json& fleet, const std::string& configurations);
 
 }  // namespace cliquevo::tools

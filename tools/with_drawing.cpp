@@ -2,6 +2,7 @@
 #include "tools/calibrate/calibrate.h"
 #include "tools/commands.h"
 #include "tools/drawing.h"
+#include "tools/fleet/fleet.h"
 #include "tools/report.h"
 
 namespace cliquevo::tools {
@@ -46,6 +47,7 @@ Result<const Drawing*> find_drawing(const std::string&) {
 
 void add_drawing_commands(CLI::App& app, int& exit_code, const std::string& version) {
   add_view_command(app, exit_code, version);
+  fleet::add_fleet_command(app, exit_code);
 #ifdef CLIQUEVO_CALIBRATE
   add_board_calibration_command(app, exit_code);
 #endif

@@ -10,6 +10,7 @@
 #include "tools/commands.h"
 #include "tools/drawing.h"
 #include "tools/exit_code.h"
+#include "tools/fleet/run_unit.h"
 
 namespace cliquevo::tools {
 
@@ -53,11 +54,14 @@ Error hand_over(const std::string& option) {
           "install the package cliquevo-tools again"};
 }
 
-void add_absent_command(CLI::App& app, int& exit_code, const std::string& name, const std::string& purpose) {
+CLI::App* add_absent_command(CLI::App& app, int& exit_code, const std::string& name, const std::string& purpose) {
   CLI::App* command = app.add_subcommand(name, purpose);
   command->prefix_command();
   command->set_help_flag();  // the other program knows the options
-  command->callback([name, &exit_code] { exit_code = report(hand_over("cliquevo " + name)); });
+  command->callback([name, command, &exit_code] {
+    if (command->get_subcommands().empty()) exit_code = report(hand_over("cliquevo " + name));
+  });
+  return command;
 }
 
 }  // namespace
@@ -67,6 +71,8 @@ Result<const Drawing*> find_drawing(const std::string& option) { return hand_ove
 void add_drawing_commands(CLI::App& app, int& exit_code, const std::string&) {
   add_absent_command(app, exit_code, "view", kViewPurpose);
   add_absent_command(app, exit_code, "calibrate", kCalibratePurpose);
+  // A node computes units without what draws.
+  fleet::add_run_unit_command(*add_absent_command(app, exit_code, "fleet", fleet::kFleetPurpose), exit_code);
 }
 
 }  // namespace cliquevo::tools

@@ -2,17 +2,14 @@
 #include "drivers/simulator/render_cache.h"
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
+#include <span>
 #include <system_error>
-#include <unistd.h>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -105,6 +102,8 @@ std::string store_root(const SimulatorOptions& options) {
   return {};
 }
 
+std::string file_name(std::int64_t frame) { return fmt::format("{:06d}.pair", frame); }
+
 std::uint64_t hash_of(const std::string& key) {
   return checksum(reinterpret_cast<const std::uint8_t*>(key.data()), key.size());
 }
@@ -122,7 +121,7 @@ bool is_scene(const fs::path& folder) {
   return key.starts_with("render=") && name.ends_with(fmt::format("-{:016x}", hash_of(key)));
 }
 
-// NNNNNN.pair, or what an interrupted store left of one: NNNNNN.pair.PROCESS.COUNT.
+// NNNNNN.pair, or what an interrupted store left of one: NNNNNN.pair.HOST.PROCESS.COUNT, all numbers.
 bool is_pair(const fs::directory_entry& entry) {
   std::error_code error;
   const std::string name = entry.path().filename().string();
@@ -182,15 +181,12 @@ std::int64_t make_room(const fs::path& root, const fs::path& keep, std::int64_t 
 }
 
 // Describes the folder; its time is that of the last use. Written whole or not at all: the folder is recognised by it.
-void write_note(const fs::path& note, const std::string& key) {
-  std::error_code error;
-  if (fs::file_size(note, error) == key.size() && !error) {
-    fs::last_write_time(note, fs::file_time_type::clock::now(), error);
-    return;
+void write_note(const OwnFolder& scene, const std::string& key) {
+  if (scene.read(kNote, key.size()) == key) {
+    scene.touch(kNote);
+  } else {
+    static_cast<void>(scene.write(kNote, key));  // without a note nobody removes the folder, and all else is as with it
   }
-  const fs::path temporary = fmt::format("{}.{}", note.string(), ::getpid());
-  std::ofstream(temporary, std::ios::binary) << key;
-  fs::rename(temporary, note, error);
 }
 
 }  // namespace
@@ -226,34 +222,31 @@ std::string render_key(const SimulatorOptions& o) {
 RenderCache::RenderCache(const SimulatorOptions& options) : width_(options.width), height_(options.height) {
   const std::string root = store_root(options);
   if (root.empty()) return;
+  const auto shared = OwnFolder::open_shared(root);
+  if (!shared) return;
   const std::string key = render_key(options);
   const std::uint64_t hash = hash_of(key);
-  const fs::path folder = fs::path(root) / fmt::format("{}{}-{:016x}", kPrefix, options.course, hash);
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return;
-  write_note(folder / kNote, key);
-  room_bytes_ = make_room(root, folder, static_cast<std::int64_t>(options.cache_limit_gb * 1e9));
-  folder_ = folder.string();
+  auto scene = shared->below(fmt::format("{}{}-{:016x}", kPrefix, options.course, hash));
+  if (!scene) return;
+  write_note(*scene, key);
+  room_bytes_ = make_room(shared->path(), scene->path(), static_cast<std::int64_t>(options.cache_limit_gb * 1e9));
+  folder_ = std::move(*scene);
 }
-
-std::string RenderCache::path(std::int64_t frame) const { return fmt::format("{}/{:06d}.pair", folder_, frame); }
 
 bool RenderCache::load(std::int64_t frame, CleanPair& pair) const {
   if (!enabled()) return false;
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path(frame).c_str(), "rb"), &std::fclose);
-  if (file == nullptr) return false;
-  Header header{};
   const std::size_t each = packed_size(width_, height_);
-  std::vector<std::uint8_t> data(2 * each);
-  if (std::fread(&header, sizeof header, 1, file.get()) != 1) return false;
+  const auto bytes = folder_->read(file_name(frame), sizeof(Header) + 2 * each);
+  if (!bytes || bytes->size() != sizeof(Header) + 2 * each) return false;
+  Header header{};
+  std::memcpy(&header, bytes->data(), sizeof header);
   if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0 || header.width != width_ || header.height != height_ ||
       header.frame != frame)
     return false;
-  if (std::fread(data.data(), 1, data.size(), file.get()) != data.size()) return false;
-  if (checksum(data.data(), data.size()) != header.checksum) return false;
-  unpack(data.data(), width_, height_, pair.left);
-  unpack(data.data() + each, width_, height_, pair.right);
+  const auto* data = reinterpret_cast<const std::uint8_t*>(bytes->data()) + sizeof header;
+  if (checksum(data, 2 * each) != header.checksum) return false;
+  unpack(data, width_, height_, pair.left);
+  unpack(data + each, width_, height_, pair.right);
   return true;
 }
 
@@ -261,30 +254,20 @@ void RenderCache::store(std::int64_t frame, const CleanPair& pair) const {
   if (!enabled()) return;
   const std::size_t each = packed_size(width_, height_);
   if (written_.load() + static_cast<std::int64_t>(2 * each) > room_bytes_) return;
-  std::vector<std::uint8_t> data(2 * each);
-  pack(pair.left, data.data());
-  pack(pair.right, data.data() + each);
+  std::vector<std::uint8_t> bytes(sizeof(Header) + 2 * each);
+  std::uint8_t* data = bytes.data() + sizeof(Header);
+  pack(pair.left, data);
+  pack(pair.right, data + each);
   Header header{};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.width = width_;
   header.height = height_;
   header.frame = frame;
-  header.checksum = checksum(data.data(), data.size());
-  // Under another name first: whoever reads at the same time sees the whole file or none.
-  static std::atomic<std::uint64_t> count{0};
-  const std::string target = path(frame);
-  const std::string temporary = fmt::format("{}.{}.{}", target, ::getpid(), count++);
-  bool good = false;
-  {
-    const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(temporary.c_str(), "wb"), &std::fclose);
-    if (file == nullptr) return;
-    good = std::fwrite(&header, sizeof header, 1, file.get()) == 1 &&
-           std::fwrite(data.data(), 1, data.size(), file.get()) == data.size() && std::fflush(file.get()) == 0;
-  }
-  if (good && std::rename(temporary.c_str(), target.c_str()) == 0) {
+  header.checksum = checksum(data, 2 * each);
+  std::memcpy(bytes.data(), &header, sizeof header);
+  // A store that is full or gone is as no cache.
+  if (folder_->write(file_name(frame), std::span<const std::uint8_t>(bytes))) {
     written_ += static_cast<std::int64_t>(2 * each);
-  } else {
-    std::remove(temporary.c_str());
   }
 }
 

@@ -9,12 +9,10 @@
 
 namespace cliquevo::drivers {
 
-namespace {
-
 namespace fs = std::filesystem;
 
 // <prefix>/lib/cliquevo/modules/video.so for a program in <prefix>/bin or in <prefix>/libexec/cliquevo.
-std::string module_path() {
+std::string video_module_path() {
   std::error_code ec;
   const fs::path bin = fs::read_symlink("/proc/self/exe", ec).parent_path();
   const fs::path place = "lib/cliquevo/modules/video.so";
@@ -22,13 +20,15 @@ std::string module_path() {
   return (fs::exists(elsewhere, ec) ? elsewhere : bin.parent_path() / place).string();
 }
 
+namespace {
+
 struct Module {
   VideoOpenFunction* open = nullptr;
   std::optional<Error> error;
 };
 
 Module load_module() {
-  const std::string path = module_path();
+  const std::string path = video_module_path();
   std::error_code ec;
   if (!fs::exists(path, ec)) {
     return {nullptr, Error{"video files need a module that is not installed", path, "install cliquevo-tools"}};

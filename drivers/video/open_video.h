@@ -13,6 +13,9 @@ namespace cliquevo::drivers {
 // Whether it is a file whose name ends as that of a video.
 bool is_video_name(const std::string& path);
 
+// Where the module lies, or would lie.
+std::string video_module_path();
+
 // An error where the module is not installed, or the file cannot be read.
 Result<std::unique_ptr<VideoReader>> open_video(const std::string& path);
 

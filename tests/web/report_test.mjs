@@ -50,17 +50,35 @@ await main(async (browser) => {
   check("eval --report ends well", evaluated.code === 0, evaluated.err);
   const compared = await run(["compare", file("run.json"), file("run.json"), "--report", file("compare.html")]);
   check("compare --report ends well", compared.code === 0, compared.err);
+  fs.rmSync(file("fleet"), { recursive: true, force: true });
+  const small = "sim:width=160,height=120,focal_px=175,frames=40";
+  const fleet = await run(["fleet", "run", "--out", file("fleet"), small, `${small},noise_seed=2,fault=blank,fault_first=20,fault_frames=3`, "/nowhere", "--set", "odometry.max_features=350,60"]);
+  check("fleet run ends well", fleet.code === 0, fleet.err);
+  const reported = await run(["fleet", "report", "--out", file("fleet"), "--baseline", "default odometry.max_features=350", "--pages", "1"]);
+  check("fleet report ends with what the gate says", reported.code === 3, reported.err);
+  fs.copyFileSync(file("fleet/report.html"), file("fleet.html"));
   const pages = [page];
-  for (const name of ["eval", "compare"]) {
+  for (const name of ["eval", "compare", "fleet"]) {
     const other = await openPage(browser, pathToFileURL(file(`${name}.html`)).href);
     await until(`the report of ${name} is drawn`, () => other.evaluate(() => window.cliquevoReport?.ready));
     await wait(300);
     await shot(other, `report-${name}`);
     pages.push(other);
   }
+  const season = pages.at(-1);
+  const panels = await season.evaluate(() => [...document.querySelectorAll(".panel h2")].map((h) => h.textContent));
+  for (const wanted of ["Configurations", "Without a result", "against default", "Distributions", "The worst frames", "Why frames were refused", "Recordings (4 units)"]) {
+    check(`the fleet's report has ${wanted}`, panels.some((p) => p.includes(wanted)), panels);
+  }
+  check("the worst frames lead to a page that is there", await season.evaluate(() => document.querySelector("a[href^='pages/']")?.getAttribute("href")).then((page) => fs.existsSync(file(`fleet/${page}`))));
+  const firstOf = () => season.evaluate(() => [...document.querySelectorAll("table")].at(-1).querySelector("tbody td").textContent);
+  const heads = season.locator("table").last().locator("th");
+  await heads.nth(3).click();
+  await heads.nth(3).click();
+  check("tables sort by a click on a head", /fault=blank/.test(await firstOf()), await firstOf());
   for (const p of pages) {
     check("no complaint in the console", p.complaints.length === 0, p.complaints);
     check("no request but for itself", p.strangers.length === 0, p.strangers);
   }
-  for (const name of ["course"]) fs.rmSync(file(name), { recursive: true, force: true });
+  for (const name of ["course", "fleet"]) fs.rmSync(file(name), { recursive: true, force: true });
 });

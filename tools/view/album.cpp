@@ -50,8 +50,8 @@ std::string with_bare_names(std::string_view source) {
 }
 
 std::string import_map() {
-  constexpr std::string_view kModules[] = {"/colours.js", "/frame.js", "/map.js", "/picture.js",         "/record.js",
-                                           "/report.js",  "/when.js",  "/why.js", "/vendor/uPlot.esm.js"};
+  constexpr std::string_view kModules[] = {"/colours.js", "/fleet.js",  "/frame.js", "/map.js", "/picture.js",
+                                           "/record.js",  "/report.js", "/when.js",  "/why.js", "/vendor/uPlot.esm.js"};
   std::string out = "{\"imports\":{";
   for (const std::string_view name : kModules) {
     const PageFile* file = find_page_file(name);

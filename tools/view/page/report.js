@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A report: a run, a trajectory's evaluation or a comparison, from the data in the file itself.
+// A report: a run, a trajectory's evaluation, a comparison or a fleet, from the data in the file itself.
 import uPlot from "./vendor/uPlot.esm.js";
 import { markIcon, roles, verdictColours } from "./colours.js";
+import { drawFleet } from "./fleet.js";
 import { unpackFeatures } from "./frame.js";
 import { failedMarks, MapPanel } from "./map.js";
 import { drawFeatures, drawMovers } from "./picture.js";
@@ -128,6 +129,7 @@ function drawComparison() {
 
 if (data.sentence) panel("Summary", `<p><b>${escape(data.sentence)}</b></p>${(data.lines ?? []).map((l) => `<p class="${l.warn ? "warn" : "dim"}">${escape(l.text)}</p>`).join("")}`, "").parentElement.id = "summary";
 if (data.comparison) drawComparison();
+if (data.fleet) drawFleet(data.fleet, panel);
 columns(() => {
   if (records.length || data.way?.length) drawMap();
   if (data.reference?.distance?.length) drawError();

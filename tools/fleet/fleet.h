@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// cliquevo fleet: plan, run, status, report, and run-unit, which a node executes.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace cliquevo::tools::fleet {
+
+void add_fleet_command(CLI::App& app, int& exit_code);
+
+}  // namespace cliquevo::tools::fleet
