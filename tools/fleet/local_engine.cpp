@@ -31,7 +31,7 @@ Result<pid_t> start(const std::string& line) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  const std::string command = "exec " + line;
+  const std::string command = fmt::format("exec {} --watched", line);
   const char* words[] = {"sh", "-c", command.c_str(), nullptr};
   pid_t process = -1;
   const int failed = ::posix_spawnp(&process, "sh", &actions, nullptr, const_cast<char* const*>(words), environ);

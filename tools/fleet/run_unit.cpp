@@ -131,6 +131,7 @@ struct RunUnitArguments {
   std::string plan;
   std::string units;
   bool build = false;
+  bool watched = false;
 };
 
 int run(const RunUnitArguments& arguments) {
@@ -150,6 +151,7 @@ int run(const RunUnitArguments& arguments) {
   if (!store) return report(store.error());
   const UnitsEnd end = run_units(*plan, *units, *store);
   fmt::print("{} computed, {} there already, {} failed\n", end.computed, end.found, end.failed);
+  if (end.stopped && arguments.watched) return kBadInput;
   if (end.stopped) return report(*end.stopped);
   return end.failed == 0 ? kDone : kBadInput;
 }
@@ -165,6 +167,7 @@ void add_run_unit_command(CLI::App& fleet, int& exit_code) {
   command->set_help_flag("-h,--help", "Print this help message and exit");
   command->add_option("--plan", arguments->plan, "The plan's file")->type_name("FILE");
   command->add_option("--units", arguments->units, "Their numbers in it, from 0: 0-9,12")->type_name("LIST");
+  command->add_flag("--watched", arguments->watched, "Who started it says what stopped it: a full disk, Ctrl-C");
   command->add_flag("--build", arguments->build, "Print the hash of this program and its libraries, and end");
   command->footer(
       "Needs no drawing. Exit codes: 0 every unit has its result; 1 one failed, each with a line on stderr, or "
