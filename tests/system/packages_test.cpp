@@ -182,7 +182,7 @@ TEST_F(Packages, TheDaemonFindsItsConfigurationAndPiecesBesideIt) {
 
 // The previous version's one package had all files, the library's too.
 TEST_F(Packages, AnUpgradeKeepsTheConfigurationAndTakesTheFilesOver) {
-  in_root("apt-get -qq -y purge cliquevo cliquevo-tools libcliquevo-dev");
+  in_root("dpkg --purge cliquevo-ros2 cliquevo-tools cliquevo libcliquevo-dev");
   const std::string old = folder() + "/old";
   fs::remove_all(old);
   ASSERT_EQ(run({"dpkg-deb", "-R", package("one", "cliquevo"), old}).exit_code, 0);
