@@ -173,7 +173,7 @@ Result<void> OwnFolder::write(const std::string& name, std::string_view bytes) c
   // A file is read by us only when no other may write it, whatever umask is in force.
   const bool written = ::fchmod(file, kFileMode) == 0 && write_all(file, bytes);
   const int write_error = errno;
-  if (::close(file) != 0 && written) return fail(errno);  // network storage tells only here that it is full
+  if (::close(file) != 0 && written) return fail(errno);  // network storage reports only here that it is full
   if (!written) return fail(write_error);
   if (::renameat(descriptor_, temporary.c_str(), descriptor_, name.c_str()) != 0) return fail(errno);
   return {};

@@ -17,10 +17,10 @@ struct Chunk {
   std::uint64_t stored_size = 0;  // there; less than it claims at a file's torn end
   std::uint64_t size = 0;         // decompressed, as claimed
   Compression compression = Compression::none;
-  std::uint32_t crc = 0;  // of the decompressed content; 0 = not told
+  std::uint32_t crc = 0;  // of the decompressed content; 0 = not given
 };
 
-// Decompressed chunks are kept while others are not needed; each only as far as it was asked for.
+// Decompressed chunks are kept while others are not needed; each only up to what was read of it.
 class ChunkStore {
  public:
   explicit ChunkStore(FileBytes file);

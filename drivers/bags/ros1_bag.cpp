@@ -172,7 +172,7 @@ class Ros1Bag final : public ChunkedBag {
     return true;
   }
 
-  // The indexes behind a chunk have been read; where there are none, its content will tell.
+  // The indexes behind a chunk have been read; where there are none, its content is looked at.
   void settle_chunk() {
     if (open_chunk_ && !chunk_is_indexed_) unindexed_.push_back(*open_chunk_);
     open_chunk_.reset();

@@ -37,7 +37,7 @@ std::string camera_of(const std::string& image_topic) {
   return slash == std::string::npos ? std::string() : image.substr(0, slash);
 }
 
-// The last part of the name tells: image_rect, image_rect_raw, rectified.
+// By the last part of the name: image_rect, image_rect_raw, rectified.
 bool is_rectified(const std::string& image_topic) {
   const std::string image = without_transport(image_topic);
   const std::string last = image.substr(image.rfind('/') + 1);
@@ -50,7 +50,7 @@ bool is_rectified(const std::string& image_topic) {
 }
 
 struct Candidate {
-  int kind = 0;  // how their names tell left from right
+  int kind = 0;  // how their names differ for left and right
   const SetTopic* left = nullptr;
   const SetTopic* right = nullptr;
 
@@ -160,7 +160,7 @@ Result<StereoTopics> choose_topics(const BagSet& bags, const std::string& wanted
                  "name them with --topics LEFT,RIGHT; it has " + list_topics(bags)};
   }
   const Candidate& best = candidates.front();
-  // Another rig whose names tell as clearly: nothing says which is meant.
+  // Another rig whose names are as clear: it is unknown which is meant.
   std::map<std::string, const Candidate*> rigs;
   for (const Candidate& c : candidates) {
     if (c.kind == best.kind) rigs.emplace(camera_of(c.left->topic.name), &c);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Which topics of a bag are the two cameras, and which tell their calibration.
+// Which topics of a bag are the two cameras, and which have their calibration.
 #pragma once
 
 #include <string>

@@ -22,7 +22,7 @@ constexpr int kBins = 20;
 
 json or_null(const std::optional<double>& value) { return value ? json(*value) : json(nullptr); }
 
-// What is told of each unit and of each configuration.
+// What is reported of each unit and of each configuration.
 struct Figure {
   const char* name;
   const char* unit;
