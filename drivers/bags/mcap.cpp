@@ -9,19 +9,14 @@
 #include "core/base/printable.h"
 #include "drivers/bags/chunked_bag.h"
 #include "drivers/bags/little_endian.h"
+#include "drivers/bags/mcap_records.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-enum Op : std::uint8_t {
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-};
+using namespace mcap;  // its records
+
 constexpr std::uint64_t kMagicSize = 8;
 constexpr std::uint64_t kRecordHead = 9;    // op, length
 constexpr std::uint64_t kMessageHead = 22;  // channel, number, two times

@@ -12,25 +12,16 @@
 #include <zlib.h>
 #include <zstd.h>
 
+#include "drivers/bags/mcap_records.h"
+
 namespace cliquevo::drivers {
 
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-enum Op : std::uint8_t {
-  kHeader = 0x01,
-  kFooter = 0x02,
-  kSchema = 0x03,
-  kChannel = 0x04,
-  kMessage = 0x05,
-  kChunk = 0x06,
-  kMessageIndex = 0x07,
-  kChunkIndex = 0x08,
-  kStatistics = 0x0b,
-  kSummaryOffset = 0x0e,
-  kDataEnd = 0x0f,
-};
+using namespace mcap;  // its records
+
 constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 constexpr std::size_t kChunkBytes = 4U << 20U;
 constexpr std::int64_t kChunkTime_ns = 1'000'000'000;
