@@ -18,6 +18,9 @@ constexpr double kTurn_rad_s = 0.25;  // what a vehicle that drove straight may 
 constexpr double kLeastMoved_m = 0.05;
 constexpr double kLeastTurned_rad = 0.01;
 
+// For how long, in all, a velocity counts in a gap when it fades with a time constant.
+double faded_s(double elapsed_s, double fade_s) { return fade_s * (1.0 - std::exp(-elapsed_s / fade_s)); }
+
 }  // namespace
 
 void DeadReckoning::reset() {
@@ -61,6 +64,18 @@ RigidTransform DeadReckoning::guess(TimestampNs elapsed_ns, TimestampNs since_va
       std::max({kLeastTurned_rad, elapsed_s * twist_.tail<3>().norm(), std::min(kPi, kTurn_rad_s * elapsed_s)});
   variance << Eigen::Vector3d::Constant(moved * moved), Eigen::Vector3d::Constant(turned * turned);
   return step;
+}
+
+RigidTransform DeadReckoning::across(const RigidTransform& guessed, TimestampNs gap_ns, const RigidTransform& after,
+                                     TimestampNs after_ns) const {
+  const bool moves_on = params_.after_failure == AfterFailure::constant_velocity;
+  if (!moves_on || knows_speed() || after_ns <= 0 || gap_ns <= 0) return guessed;
+  const double gap_s = static_cast<double>(gap_ns) * 1e-9;
+  const double after_s = static_cast<double>(after_ns) * 1e-9;
+  RigidTransform motion;
+  motion.t = faded_s(gap_s, kFadeSpeed_s) / after_s * after.t;
+  motion.R = so3_exp(faded_s(gap_s, kFadeTurn_s) / after_s * so3_log(after.R));
+  return motion;
 }
 
 }  // namespace cliquevo::vo

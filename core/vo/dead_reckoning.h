@@ -25,6 +25,10 @@ class DeadReckoning {
   // The motion that the pose makes over one failed frame, `since_valid_ns` after the last valid one: the smoothed
   // velocity of before, which fades as nothing confirms it; and by how much the covariance grows.
   RigidTransform guess(TimestampNs elapsed_ns, TimestampNs since_valid_ns, Vector6d& variance) const;
+  // The motion across a gap that ended with a valid motion (`after`, over `after_ns`). Where no speed was known before,
+  // it is what that motion makes of the gap; else what was guessed: one step of a walk says less than the way before.
+  RigidTransform across(const RigidTransform& guessed, TimestampNs gap_ns, const RigidTransform& after,
+                        TimestampNs after_ns) const;
 
  private:
   VoParams params_;

@@ -17,8 +17,9 @@ namespace {
 constexpr double kLeastVariance = 0.05;
 constexpr double kVarianceFactor = 1.25;
 constexpr double kVarianceFactorOfTwo = 0.87;  // beside a key frame, where the weights understate the previous frame
-// Patches that overlap err alike: times the share of the picture that the inliers' patches would cover side by side
-// (normalised error squared at 256, 384, 512 and 768 px of width, without it 7.9, 6.0, 5.3 and 3.6).
+// Patches that overlap err alike: times the share that the inliers' patches, side by side, would cover of the part of
+// the picture they lie in (normalised error squared at 256, 384, 512 and 768 px of width, without it 7.9, 6.0, 5.3
+// and 3.6).
 constexpr double kOverlapVariance = 1.4;
 // Errors that neighbours share (of the calibration, of a surface) do not average out where all inliers come from one
 // part of the picture: the variance grows with the square of what is missing.
@@ -42,8 +43,8 @@ double noise_factor(const CheckInput& f, bool beside_key, const VoParams& params
 
 double overlap_factor(const CheckInput& f, const VoParams& params) {
   const double side_px = 2.0 * params.refine_radius_px + 3.0;
-  const double picture = static_cast<double>(f.model.width) * f.model.height;
-  return 1.0 + kOverlapVariance * f.motion.inliers * side_px * side_px / picture;
+  const double part = std::max(f.covered, kLeastCovered) * f.model.width * f.model.height;
+  return 1.0 + kOverlapVariance * f.motion.inliers * side_px * side_px / part;
 }
 
 double coverage_factor(const CheckInput& f) {

@@ -44,6 +44,7 @@ struct VisualOdometry::Impl {
   std::pair<Comparison, const Frame*> compare(const FrameInput& input);
   void report(const Comparison& comparison);
   void accept(const Comparison& comparison, const Frame& reference);
+  void place_failed_frame(const RigidTransform& motion_after);
   void carry_on();
   std::span<const RigidTransform> predictions(const Frame& since);
 
@@ -196,7 +197,19 @@ void VisualOdometry::Impl::report(const Comparison& c) {
   estimate.quality = c.status == Status::valid ? quality(c.checks) : 0;
 }
 
+// A gap that ends without a view of what was seen before it: what moves on from it shows how it may have been crossed.
+void VisualOdometry::Impl::place_failed_frame(const RigidTransform& motion_after) {
+  const Frame& valid = *frames.valid();
+  Frame& failed = *frames.failed();
+  const RigidTransform T_valid_failed = valid.T_world_camera.inverse() * failed.T_world_camera;
+  failed.T_world_camera =
+      (valid.T_world_camera * dead_reckoning.across(T_valid_failed, failed.stamp_ns - valid.stamp_ns, motion_after,
+                                                    current->stamp_ns - failed.stamp_ns))
+          .normalized();
+}
+
 void VisualOdometry::Impl::accept(const Comparison& c, const Frame& reference) {
+  if (&reference == frames.failed()) place_failed_frame(c.motion.T_prev_cur);
   const RigidTransform T_valid_ref = frames.valid()->T_world_camera.inverse() * reference.T_world_camera;
   current->T_world_camera = (reference.T_world_camera * c.motion.T_prev_cur).normalized();
   current->shift_px = c.motion.shift_px;

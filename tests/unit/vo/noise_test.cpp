@@ -110,6 +110,21 @@ TEST(DeadReckoning, HoldsThePoseWhereConfigured) {
   EXPECT_EQ(reckoning.guess(33'333'333, 33'333'333, variance).t.norm(), 0.0);
 }
 
+TEST(DeadReckoning, AGapBeforeAnySpeedWasKnownIsCrossedAsTheMotionAfterItMoves) {
+  constexpr TimestampNs kFrame_ns = 33'333'333;
+  DeadReckoning reckoning{VoParams{}};
+  RigidTransform after;
+  after.t.z() = 0.1;
+  after.R = so3_exp({0.0, 0.01, 0.0});
+  const RigidTransform crossed = reckoning.across({}, 2 * kFrame_ns, after, kFrame_ns);
+  EXPECT_NEAR(crossed.t.z(), 0.2, 0.001);
+  EXPECT_NEAR(crossed.angle(), 0.02, 0.0005);
+  reckoning.learn(after, kFrame_ns);
+  RigidTransform guessed;
+  guessed.t.z() = 0.15;
+  EXPECT_EQ(reckoning.across(guessed, 2 * kFrame_ns, after, kFrame_ns).t.z(), 0.15) << "a speed was known";
+}
+
 TEST(ReferenceFrames, KeepThreeFramesOfTheWayAndAlwaysHaveASpareOne) {
   ReferenceFrames frames(kModel, {});
   std::vector<Frame*> keys;
