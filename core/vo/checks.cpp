@@ -10,13 +10,14 @@ namespace {
 
 // Correlations: where patches hardly change and hardly differ, their ratio means nothing.
 constexpr double kLeastDifference = 0.01;
-constexpr double kStrictest = 0.5;        // share of the bound on disparities that remains with little coverage
-constexpr double kMostNews = 3.0;         // factor by which an unexpected error of the disparities counts
-constexpr double kOffsetNoise_px = 0.15;  // of one frame's reading of an error common to all disparities
-constexpr double kMostRunning_px = 2.0;   // a larger one comes from the calibration, and is learned
-constexpr double kMoves = 6.0;            // a camera moves when its image does by so many expected errors, ...
-constexpr double kStands = 4.0;           // ... and stands beside it when its own moves so many times less
-constexpr double kRepeats = 100.0;        // ... and for certain where its image is the same to the last bit
+constexpr double kStrictest = 0.5;            // share of the bound on disparities that remains with little coverage
+constexpr double kUsualDisparityError = 1.4;  // expected errors; the median is 0.7 to 1.3 on every recording
+constexpr double kMostNews = 3.0;             // factor by which an unexpected error of the disparities counts
+constexpr double kOffsetNoise_px = 0.15;      // of one frame's reading of an error common to all disparities
+constexpr double kMostRunning_px = 2.0;       // a larger one comes from the calibration, and is learned
+constexpr double kMoves = 6.0;                // a camera moves when its image does by so many expected errors, ...
+constexpr double kStands = 4.0;               // ... and stands beside it when its own moves so many times less
+constexpr double kRepeats = 100.0;            // ... and for certain where its image is the same to the last bit
 // Share of the reference's features that must be found where a motion has them; after a suspicious frame, more.
 constexpr double kFound = 0.08;
 constexpr double kFoundAgain = 0.25;
@@ -75,7 +76,9 @@ Evidence check_running_ground(const CheckInput& f, const CameraNoise& noise, con
       median_of_inliers(f.observations, scratch, [](const Observation& o) { return o.difference; });
   const double excess = (change - difference) / std::max(kLeastDifference, std::min(std::max(change, 0.0), difference));
   const double scatter = f.motion.error_px / noise.expected_error_px();
-  return {std::max(0.0, excess) * scatter * news_of_disparities(f.motion, f.shift_sigma_px),
+  // Ground that runs takes its depths with it: they fit no motion well.
+  const double misfit = std::max(1.0, disparity_error_px(f) / noise.expected_error_px() / kUsualDisparityError);
+  return {std::max(0.0, excess) * scatter * misfit * news_of_disparities(f.motion, f.shift_sigma_px),
           caution.bound_scale() * params.max_running_ground, true};
 }
 

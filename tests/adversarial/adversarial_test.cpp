@@ -63,7 +63,12 @@ void run_cases(std::uint64_t begin, std::uint64_t count, bool (*wanted)(Kind)) {
       std::string what;
       if (talk && i > 0) {
         is_lie(e, truth.at(e.prev_stamp_ns).inverse() * truth.at(e.stamp_ns), what);
-        fmt::print("{} {} frame {}, {}: {}\n", kind_name(c.kind), k, i, vo::status_name(e.status), what);
+        fmt::print("{} {} frame {}, {}: {};", kind_name(c.kind), k, i, vo::status_name(e.status), what);
+        for (std::size_t check = 0; check < vo::kChecks; ++check)
+          fmt::print(" {} {:.2f}", vo::check_name(static_cast<vo::Check>(check)),
+                     e.checks[static_cast<vo::Check>(check)].ratio());
+        fmt::print(" shift {:.2f} +- {:.2f}, error {:.3f} of {:.3f} px\n", e.disparity_shift_px,
+                   e.disparity_shift_sigma_px, e.reprojection_error_px, e.expected_error_px);
       }
       if (i >= c.judged_from && valid) {
         ++tally.valid;

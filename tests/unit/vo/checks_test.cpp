@@ -142,6 +142,20 @@ TEST(Checks, SurfacesThatChangeMoreThanLeftAndRightDifferAreRunningGround) {
   EXPECT_FALSE(check_running_ground(seen.input(), rough(0.25), seen.caution, seen.params, seen.scratch).fails());
 }
 
+TEST(Checks, DisparitiesThatFitBadlyMakeChangingSurfacesMoreSuspicious) {
+  Seen seen;
+  for (Observation& o : seen.observations) o.change = 0.12F, o.difference = 0.05F;
+  const auto value = [&] {
+    return check_running_ground(seen.input(), seen.noise, seen.caution, seen.params, seen.scratch).value;
+  };
+  const double as_usual = value();
+  const double expected_px = seen.noise.expected_error_px();
+  for (Observation& o : seen.observations) o.uvd_cur.z() += expected_px;
+  EXPECT_NEAR(value(), as_usual, 1e-9) << "no more than cameras are used to";
+  for (Observation& o : seen.observations) o.uvd_cur.z() += 1.8 * expected_px;
+  EXPECT_NEAR(value(), 2.0 * as_usual, 1e-6);
+}
+
 TEST(Checks, UnequalCamerasAreNoRunningGround) {
   Seen seen;
   for (Observation& o : seen.observations) o.change = 0.01F, o.difference = 0.2F;
