@@ -111,6 +111,7 @@ Result<StereoCalibration> read_basalt(const CalibrationText& file, const Calibra
     }
   }
   c.T_right_left = T_imu_camera[1].inverse() * T_imu_camera[0];
+  order_cameras(c);
   return finish_calibration(c, request);
 }
 

@@ -36,8 +36,6 @@ using OtherFile = std::function<Result<NamedText>(const std::vector<std::string>
 // Any format, from memory.
 Result<StereoCalibration> parse_calibration(const std::string& text, const CalibrationRequest& request,
                                             const OtherFile& other);
-// Whether a file is the right camera's by its name.
-bool is_right_camera(const std::string& path);
 // The file in a folder that serves as calibration: by the usual names, else the only one of a known format. Empty =
 // none; the folder itself = several, and reading it is an error that lists them.
 std::string find_calibration(const std::string& folder);

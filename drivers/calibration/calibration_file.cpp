@@ -3,7 +3,6 @@
 #include "drivers/calibration_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -20,14 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBytes = 1U << 20U;
-
-constexpr std::array<std::pair<const char*, const char*>, 7> kSideWords{{{"left", "right"},
-                                                                         {"Left", "Right"},
-                                                                         {"LEFT", "RIGHT"},
-                                                                         {"cam0", "cam1"},
-                                                                         {"camera0", "camera1"},
-                                                                         {"camera_0", "camera_1"},
-                                                                         {"infra1", "infra2"}}};
 
 std::string extension_of(const std::string& path) {
   std::string out = fs::path(path).extension().string();
@@ -60,6 +51,12 @@ bool looks_like_ini(const CalibrationText& file) {
     if (section && line.text.find('=') != std::string_view::npos) return true;
   }
   return false;
+}
+
+// Text that a program printed, in a file that is named otherwise.
+bool is_printed(const CalibrationText& file) {
+  const std::string extension = extension_of(file.path);
+  return extension == ".txt" || extension == ".log" || extension == ".m" || extension == ".out";
 }
 
 Error unknown_format(const CalibrationText& file) {
@@ -119,30 +116,6 @@ std::string CalibrationText::name() const { return fs::path(path).filename().str
 
 bool CalibrationText::has_line(std::string_view key) const { return has_key_line(lines, key); }
 
-std::string replaced(const std::string& path, const std::string& from, const std::string& to, int depth) {
-  std::size_t begin = path.size();
-  for (int i = 0; i < depth && begin != std::string::npos && begin > 0; ++i) begin = path.rfind('/', begin - 1);
-  if (begin == std::string::npos) begin = 0;
-  const std::size_t at = path.rfind(from);
-  if (at == std::string::npos || at < begin) return {};
-  std::string out = path;
-  return out.replace(at, from.size(), to);
-}
-
-std::string beside(const std::string& path, const std::string& name) {
-  return (fs::path(path).parent_path() / name).string();
-}
-
-std::vector<std::string> other_camera_paths(const std::string& path) {
-  std::vector<std::string> out;
-  for (const auto& [left, right] : kSideWords) {
-    for (const std::string& name : {replaced(path, left, right, 2), replaced(path, right, left, 2)}) {
-      if (!name.empty()) out.push_back(name);
-    }
-  }
-  return out;
-}
-
 Result<Document> read_other(const OtherFile& other, const std::vector<std::string>& paths) {
   Result<NamedText> file = other(paths);
   if (!file) return file.error();
@@ -152,30 +125,42 @@ Result<Document> read_other(const OtherFile& other, const std::vector<std::strin
   return std::move(*parsed.document);
 }
 
-bool is_right_camera(const std::string& path) {
-  return std::any_of(kSideWords.begin(), kSideWords.end(), [&](const auto& words) {
-    return replaced(path, words.first, words.second, 2).empty() &&
-           !replaced(path, words.second, words.first, 2).empty();
-  });
-}
-
 Result<StereoCalibration> parse_calibration(const std::string& text, const CalibrationRequest& request,
                                             const OtherFile& other) {
   const CalibrationText file(request.path, text);
   if (file.lines.empty()) return Error{"calibration is empty", request.path, "copy it again"};
-  if (file.broken) return *file.broken;
+  if (is_ost(file)) return read_ost(file, request, other);  // what the calibrator printed, whatever its file's name
+  if (file.broken && !is_printed(file)) return *file.broken;
   for (const CalibrationFormat& format : calibration_formats()) {
     if (format.recognise(file)) return format.read(file, request, other);
   }
-  if (!file.document) {  // lines "key: numbers" or "key = numbers" of nobody's format may still name what they are
+  if (!file.document) {  // lines "key: numbers", or numbers below their key, of nobody's format may name what they are
     CalibrationText plain(request.path, text);
-    if (auto lines = Document::parse_ini(text, request.path)) plain.document = std::move(*lines);
-    if (is_keyed(plain)) return read_keyed(plain, request, other);
+    std::optional<Error> found;
+    for (const auto parse : {Document::parse_ini, Document::parse_printed}) {
+      auto lines = parse(text, request.path);
+      if (!lines) continue;
+      plain.document = std::move(*lines);
+      if (!is_keyed(plain)) continue;
+      auto read = read_keyed(plain, request, other);
+      if (read) return read;
+      found = read.error();
+    }
+    if (found) return *found;
   }
-  return unknown_format(file);
+  if (file.document && is_one_camera(file)) return read_one_camera(file, request, other);
+  return file.broken ? *file.broken : unknown_format(file);
 }
 
 namespace {
+
+// Whose files are no text, by their names; null = unknown.
+const char* maker_of_binaries(const std::string& path) {
+  const std::string extension = extension_of(path);
+  if (extension == ".npz" || extension == ".npy") return "NumPy";
+  if (extension == ".mat") return "MATLAB";
+  return extension == ".pkl" || extension == ".pickle" || extension == ".p" ? "Python" : nullptr;
+}
 
 Result<StereoCalibration> read_from_memory(const CalibrationRequest& request) {
   const auto other = [&](const std::vector<std::string>&) -> Result<NamedText> {
@@ -203,9 +188,18 @@ Result<StereoCalibration> read_calibration(const CalibrationRequest& request) {
       return Error{"folder holds several calibrations", request.path, "name one with --calibration"};
     }
   }
+  if (const char* maker = maker_of_binaries(file.path)) {
+    return Error{fmt::format("calibration is a file of {}'s own, no text", maker), file.path,
+                 "write its matrices as YAML (OpenCV's FileStorage) or JSON, named K1, D1, K2, D2, R and T"};
+  }
   const Result<std::string> text = read_text_file(file.path, "calibration", kMostBytes);
   if (!text) return text.error();
-  return parse_calibration(*text, file, [&](const std::vector<std::string>& paths) { return read_first("", paths); });
+  return parse_calibration(*text, file, [&](const std::vector<std::string>& paths) {
+    auto found = read_first("", paths);
+    if (!found && found.error().where.empty())
+      return Result<NamedText>(Error{found.error().what, file.path, found.error().remedy});
+    return found;
+  });
 }
 
 Result<StereoCalibration> read_calibration(const std::string& path, int width, int height,

@@ -67,7 +67,7 @@ void mend_projections(CameraParts& left, CameraParts& right, std::vector<std::st
 }
 
 Result<StereoCalibration> plain_pair(const CameraParts& left, const CameraParts& right, std::vector<std::string> notes,
-                                     const CalibrationRequest& request) {
+                                     const CalibrationRequest& request, double unit_m) {
   StereoCalibration c;
   c.notes = std::move(notes);
   for (const CameraParts* parts : {&left, &right}) {
@@ -81,7 +81,7 @@ Result<StereoCalibration> plain_pair(const CameraParts& left, const CameraParts&
     camera.distortion = Distortion::none;
   }
   c.T_right_left.t.x() = right.P[3] / right.P[0] - left.P[3] / left.P[0];
-  return finish_calibration(c, request);
+  return finish_calibration(c, request, unit_m);
 }
 
 }  // namespace
@@ -117,8 +117,8 @@ Result<void> settle_lenses(CameraParts& left, CameraParts& right, const Calibrat
 }
 
 Result<StereoCalibration> rig_of_projections(CameraParts left, CameraParts right,
-                                             const std::optional<Eigen::Vector3d>& T,
-                                             const CalibrationRequest& request) {
+                                             const std::optional<Eigen::Vector3d>& T, const CalibrationRequest& request,
+                                             double unit_m) {
   for (CameraParts* parts : {&left, &right}) {
     if (!has_projection(*parts)) {
       return calibration_error("projection is all zeros: it holds no baseline", parts->where);
@@ -130,6 +130,8 @@ Result<StereoCalibration> rig_of_projections(CameraParts left, CameraParts right
   }
   StereoCalibration c;
   if (auto ok = settle_lenses(left, right, request.options, c.notes); !ok) return ok.error();
+  left.P[3] *= unit_m;
+  right.P[3] *= unit_m;
   // Some drivers leave the baseline out of P and give T (left -> right) instead.
   if (left.P[3] == 0.0 && right.P[3] == 0.0) {
     if (!T) return calibration_error("baseline is zero (P of the right camera has no fx * Tx)", right.where);
@@ -137,7 +139,7 @@ Result<StereoCalibration> rig_of_projections(CameraParts left, CameraParts right
   }
   if (is_plain_pair(left, right)) {
     mend_projections(left, right, c.notes);
-    return plain_pair(left, right, std::move(c.notes), request);
+    return plain_pair(left, right, std::move(c.notes), request, unit_m);
   }
   const Result<StereoModel> model = model_from_projections(left.P, right.P, right.where + " (projection matrix)");
   if (!model) return model.error();
@@ -147,22 +149,24 @@ Result<StereoCalibration> rig_of_projections(CameraParts left, CameraParts right
   c.T_right_left.R = right.R->transpose() * *left.R;
   c.T_right_left.t = right.R->transpose() * Eigen::Vector3d(-model->baseline_m, 0.0, 0.0);
   c.prescribed = PrescribedRectification{*left.R, *right.R, *model};
-  return finish_calibration(c, request);
+  return finish_calibration(c, request, unit_m);
 }
 
 Result<StereoCalibration> rig_of_pose(CameraParts left, CameraParts right, const RigidTransform& T_right_left,
-                                      const CalibrationRequest& request) {
+                                      const CalibrationRequest& request, double unit_m) {
   StereoCalibration c;
   if (auto ok = settle_lenses(left, right, request.options, c.notes); !ok) return ok.error();
   c.left = left.camera;
   c.right = right.camera;
   c.T_right_left = T_right_left;
+  c.T_right_left.t *= unit_m;
   if (left.R && right.R && has_projection(left) && has_projection(right)) {
-    const Result<StereoModel> model = model_from_projections(left.P, right.P, right.where + " (projection matrix)");
+    Result<StereoModel> model = model_from_projections(left.P, right.P, right.where + " (projection matrix)");
     if (!model) return model.error();
+    model->baseline_m *= unit_m;
     c.prescribed = PrescribedRectification{*left.R, *right.R, *model};
   }
-  return finish_calibration(c, request);
+  return finish_calibration(c, request, unit_m);
 }
 
 }  // namespace cliquevo::drivers

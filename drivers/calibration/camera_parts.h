@@ -20,6 +20,7 @@ struct CameraParts {
   std::string D_where;               //
   std::optional<Eigen::Matrix3d> R;  // raw -> rectified; zeros = not given
   std::vector<double> P;             // 12 numbers of the rectified camera, or none; zeros = not given
+  bool transposed = false;           // its camera matrix stands in the file as its transpose
 };
 
 // A camera matrix of 9 numbers; zeros leave the camera without one.
@@ -33,10 +34,11 @@ Result<void> settle_lenses(CameraParts& left, CameraParts& right, const Calibrat
 
 // The rig of two cameras with projections; T (left -> right, m) where the projections leave the baseline out.
 Result<StereoCalibration> rig_of_projections(CameraParts left, CameraParts right,
-                                             const std::optional<Eigen::Vector3d>& T,
-                                             const CalibrationRequest& request);
+                                             const std::optional<Eigen::Vector3d>& T, const CalibrationRequest& request,
+                                             double unit_m = 1.0);
 // The rig of two cameras with their pose; projections and rotations are followed where both cameras have them.
+// `unit_m`: metres a unit of the pose's and the projections' lengths.
 Result<StereoCalibration> rig_of_pose(CameraParts left, CameraParts right, const RigidTransform& T_right_left,
-                                      const CalibrationRequest& request);
+                                      const CalibrationRequest& request, double unit_m = 1.0);
 
 }  // namespace cliquevo::drivers

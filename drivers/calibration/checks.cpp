@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -17,6 +18,7 @@ namespace cliquevo::drivers {
 namespace {
 
 constexpr double kMostCoefficient = 1000.0;
+constexpr double kMostOffCentre = 0.75;      // share of the side; of the whole one, so a quarter off the image
 constexpr double kRotationTolerance = 1e-3;  // files print six digits and more
 
 Result<void> check_camera(const CameraCalibration& c, const std::string& where) {
@@ -30,8 +32,10 @@ Result<void> check_camera(const CameraCalibration& c, const std::string& where) 
     return calibration_error(
         fmt::format("focal length {:.6g}, {:.6g} px does not fit {} px of width", c.fx_px, c.fy_px, c.width), where);
   }
-  if (c.width > 0 && (std::abs(c.cx_px) > 4.0 * c.width || std::abs(c.cy_px) > 4.0 * c.height)) {
-    return calibration_error(fmt::format("principal point {:.6g}, {:.6g} px is far off the image", c.cx_px, c.cy_px),
+  if (c.width > 0 &&
+      (std::abs(c.cx_px / c.width - 0.5) > kMostOffCentre || std::abs(c.cy_px / c.height - 0.5) > kMostOffCentre)) {
+    return calibration_error(fmt::format("principal point {:.6g}, {:.6g} px is far off the image of {}x{}", c.cx_px,
+                                         c.cy_px, c.width, c.height),
                              where);
   }
   for (const double k : c.coefficients) {
@@ -46,8 +50,12 @@ Result<void> check_translation(const Eigen::Vector3d& t, bool unit_named, const 
   if (!t.allFinite()) return calibration_error("translation between the cameras is not finite", where);
   const double length = t.norm();
   if (length < 1e-9) return calibration_error("baseline is zero", where);
-  if (t.x() >= 0.0) return calibration_error("right camera lies left of the left one (cameras swapped)", where);
-  if (-t.x() < 0.5 * length) return calibration_error("cameras are not side by side", where);
+  if (std::abs(t.x()) < 0.5 * length) return calibration_error("cameras are not side by side", where);
+  if (t.x() > 0.0) {
+    return Error{"right camera lies left of the left one (cameras swapped)", where,
+                 "exchange the cameras in the file, or turn R and T round if they lead from the right camera to the "
+                 "left one"};
+  }
   return check_baseline(length, unit_named, where);
 }
 
@@ -117,6 +125,13 @@ bool is_rotation(const Eigen::Matrix3d& R) {
 
 Result<void> check_rotation(const Eigen::Matrix3d& R, const std::string& where) {
   return is_rotation(R) ? Result<void>{} : calibration_error("rotation matrix is singular or no rotation", where);
+}
+
+void order_cameras(StereoCalibration& c) {
+  if (!(c.T_right_left.t.x() > 0.0) || c.prescribed) return;
+  std::swap(c.left, c.right);
+  c.T_right_left = c.T_right_left.inverse();
+  c.notes.push_back(kExchangedNote);
 }
 
 Result<void> set_camera_matrix(const std::vector<double>& K, const std::string& where, CameraCalibration& camera) {

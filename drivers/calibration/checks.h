@@ -25,6 +25,13 @@ Error size_error(const std::string& path, int width, int height, int image_width
 Result<StereoCalibration> finish_calibration(StereoCalibration calibration, const CalibrationRequest& request,
                                              double format_unit_m = 1.0);
 
+// Said where the file's first camera lies on the right, and is taken for the right one.
+inline constexpr char kExchangedNote[] =
+    "the calibration's first camera lies right of its second one: it is taken for the right camera";
+// Exchanges the cameras where the right one lies left of the left one, with a note: for formats whose poses cannot be
+// meant otherwise.
+void order_cameras(StereoCalibration& calibration);
+
 // A rotation to the digits that files print; the error names `where`.
 Result<void> check_rotation(const Eigen::Matrix3d& R, const std::string& where);
 bool is_rotation(const Eigen::Matrix3d& R);
@@ -36,6 +43,9 @@ Result<void> check_model(const StereoModel& model, const std::string& where);
 // coefficients; empty names: by their number.
 Result<void> set_distortion(const std::string& name, const std::vector<double>& coefficients, const std::string& where,
                             CameraCalibration& camera);
+
+// Whether it is the name of a lens model that set_distortion() takes.
+bool is_lens_name(const std::string& name);
 
 // Focal lengths and principal point of a row-major 3x3 matrix that must be one of a pinhole camera without skew.
 Result<void> set_camera_matrix(const std::vector<double>& K, const std::string& where, CameraCalibration& camera);

@@ -169,6 +169,12 @@ Result<void> set_distortion(const std::string& name, const std::vector<double>& 
   return put(coefficients, where, camera);
 }
 
+bool is_lens_name(const std::string& name) {
+  const std::string key = key_of(name);
+  const bool plain = std::any_of(kPlain.begin(), kPlain.end(), [&](const char* known) { return key == known; });
+  return plain || std::any_of(kNames.begin(), kNames.end(), [&](const Name& entry) { return key == entry.name; });
+}
+
 Result<void> check_lens(const CameraCalibration& c, const std::string& where) {
   if (!sphere_terms_can_be(c)) return calibration_error("distortion of the lens is absurd", where);
   for (const double term : c.prism) {

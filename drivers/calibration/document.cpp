@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/calibration/document.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -24,7 +25,12 @@ std::string place(const std::string& path, const DocumentNode& node, std::string
 
 Result<void> collect(const DocumentNode& node, const std::string& where, int depth, std::vector<double>& out) {
   if (node.kind == DocumentNode::Kind::scalar) {
-    const Result<std::vector<double>> values = parse_numbers(node.scalar, "calibration", where);
+    std::string text = node.scalar;
+    if (text.starts_with("[")) {  // a matrix as numpy prints it
+      std::replace_if(
+          text.begin(), text.end(), [](char c) { return c == '[' || c == ']' || c == '\n'; }, ' ');
+    }
+    const Result<std::vector<double>> values = parse_numbers(text, "calibration", where);
     if (!values) return values.error();
     for (const double value : *values) {
       if (!(std::abs(value) <= kMostValue)) {
@@ -117,6 +123,7 @@ Result<std::vector<double>> numbers_of(const DocumentNode& node, const std::stri
   if (data->kind != DocumentNode::Kind::empty) {
     if (const Result<void> ok = collect(*data, where, 0, values); !ok) return ok.error();
   }
+  if (values.empty()) return values;  // whatever its rows and columns: nothing was written
   double cells = 1.0;
   for (const char* side : {"rows", "cols"}) {
     const DocumentNode* count = node.find(side);
@@ -157,6 +164,11 @@ Result<RigidTransform> transform_from(const std::vector<double>& v, const std::s
   if (v.size() != 16 && v.size() != 12) {
     return Error{fmt::format("transform has {} numbers instead of 16", v.size()), where,
                  "copy the calibration again: it is torn"};
+  }
+  const bool transposed = v.size() == 16 && v[3] == 0.0 && v[7] == 0.0 && v[11] == 0.0 && v[15] == 1.0 &&
+                          (v[12] != 0.0 || v[13] != 0.0 || v[14] != 0.0);
+  if (transposed) {
+    return transform_from({v[0], v[4], v[8], v[12], v[1], v[5], v[9], v[13], v[2], v[6], v[10], v[14]}, where);
   }
   if (v.size() == 16 && (v[12] != 0.0 || v[13] != 0.0 || v[14] != 0.0 || v[15] != 1.0)) {
     return calibration_error("transform's last row is not 0 0 0 1", where);

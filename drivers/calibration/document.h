@@ -41,6 +41,8 @@ class Document {
   static Result<Document> parse_xml(std::string_view text, const std::string& path);
   // [section] and key=value or key: value; keys before a section stand at the top.
   static Result<Document> parse_ini(std::string_view text, const std::string& path);
+  // What programs print: "name = [1 2 3]", or numbers in the lines below "name:"; names without numbers are sections.
+  static Result<Document> parse_printed(std::string_view text, const std::string& path);
   static Document of(DocumentNode root, std::string path);
 
   const std::string& path() const { return path_; }
@@ -78,7 +80,7 @@ class Document {
 
 // The numbers of a node as Document::numbers() has them.
 Result<std::vector<double>> numbers_of(const DocumentNode& node, const std::string& where);
-// A 4x4 (or 3x4) matrix in row-major numbers as a rigid transform.
+// A 4x4 (or 3x4) matrix in row-major numbers as a rigid transform; 4x4 numbers of the transpose show by their column.
 Result<RigidTransform> transform_from(const std::vector<double>& row_major, const std::string& where);
 Result<std::pair<int, int>> size_from(double width, double height, const std::string& where);
 

@@ -21,15 +21,20 @@ constexpr int kDeepest = 16;
 
 bool is_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_' || c == '.'; }
 
-// A key's colon with its value right behind it: "data:[", and "rows:3", "dt:d" of a matrix.
+// A key's colon with its value right behind it: "data:[", "rows:3", "dt:d" of a matrix, and any at a line's beginning.
 bool is_tight(std::string_view text, std::size_t colon) {
   if (colon == 0 || !is_word(text[colon - 1]) || colon + 1 >= text.size()) return false;
-  if (text[colon + 1] == '[') return true;
+  const char next = text[colon + 1];
+  if (next == '[') return true;
   std::size_t begin = colon;
   while (begin > 0 && is_word(text[begin - 1])) --begin;
   const std::string_view key = text.substr(begin, colon - begin);
   const bool of_a_matrix = key == "rows" || key == "cols" || key == "dt";
-  return of_a_matrix && is_word(text[colon + 1]) && (begin == 0 || text[begin - 1] == ' ' || text[begin - 1] == '\n');
+  if (of_a_matrix) return is_word(next) && (begin == 0 || text[begin - 1] == ' ' || text[begin - 1] == '\n');
+  while (begin > 0 && text[begin - 1] == ' ') --begin;
+  const bool first = begin == 0 || text[begin - 1] == '\n';
+  return first && std::isalpha(static_cast<unsigned char>(key.front())) != 0 &&
+         (is_word(next) || next == '-' || next == '+' || next == '"');
 }
 
 // What OpenCV's parser takes and YAML does not, made YAML; the lines stay.

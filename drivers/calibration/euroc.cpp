@@ -137,7 +137,7 @@ Result<StereoCalibration> read_euroc(const CalibrationText& file, const Calibrat
                                      const OtherFile& other) {
   const Result<Document> second = read_other(other, other_camera_paths(file.path));
   if (!second) return second.error();
-  const bool swapped = is_right_camera(file.path);
+  const bool swapped = is_right_of(file.path, second->path());
   const Document& left = swapped ? *second : *file.document;
   const Document& right = swapped ? *file.document : *second;
   StereoCalibration c;
@@ -149,6 +149,7 @@ Result<StereoCalibration> read_euroc(const CalibrationText& file, const Calibrat
   const auto T = between(left, right, "T_BS", false);
   if (!T) return T.error();
   c.T_right_left = *T;
+  order_cameras(c);
   return finish_calibration(c, request);
 }
 
@@ -167,6 +168,7 @@ Result<StereoCalibration> read_kalibr(const CalibrationText& file, const Calibra
   const auto T = read_chain(*left, *right);
   if (!T) return T.error();
   c.T_right_left = *T;
+  order_cameras(c);
   return finish_calibration(c, request);
 }
 
@@ -185,6 +187,7 @@ Result<StereoCalibration> read_okvis(const CalibrationText& file, const Calibrat
   const auto T = read_chain(cameras[0], cameras[1]);
   if (!T) return T.error();
   c.T_right_left = *T;
+  order_cameras(c);
   return finish_calibration(c, request);
 }
 

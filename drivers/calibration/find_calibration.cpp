@@ -86,7 +86,12 @@ std::string find_in(const std::string& folder) {
   }
   if (!chains.empty()) return *std::min_element(chains.begin(), chains.end());
   // One file per camera is one calibration; the left camera's stands for it.
-  files.erase(std::remove_if(files.begin(), files.end(), [](const std::string& path) { return is_right_camera(path); }),
+  const std::vector<std::string> all = files;
+  files.erase(std::remove_if(files.begin(), files.end(),
+                             [&all](const std::string& path) {
+                               return std::any_of(all.begin(), all.end(),
+                                                  [&](const std::string& other) { return is_right_of(path, other); });
+                             }),
               files.end());
   if (files.empty()) return {};
   if (files.size() == 1) return files.front();

@@ -47,6 +47,8 @@ std::span<const CalibrationFormat> calibration_formats();
 Result<Document> read_other(const OtherFile& other, const std::vector<std::string>& paths);
 // The names that the file of the other camera may have: the same one with "left" for "right" and so on.
 std::vector<std::string> other_camera_paths(const std::string& path);
+// Whether of two files whose names differ in the camera `path` is the right one's.
+bool is_right_of(const std::string& path, const std::string& other);
 // `path` with its file's name replaced.
 std::string beside(const std::string& path, const std::string& name);
 // `path` with the last `from` in its last `depth` components replaced; empty = it has none.

@@ -6,11 +6,13 @@
 namespace cliquevo::drivers {
 
 std::span<const CalibrationFormat> calibration_formats() {
-  static constexpr std::array<CalibrationFormat, 15> kFormats{{
+  static constexpr std::array<CalibrationFormat, 17> kFormats{{
       {"4Seasons", "calib_0.txt, calib_1.txt, calib_stereo.txt", is_four_seasons, read_four_seasons},
       {"KITTI raw", "S_00, K_00, R_rect_00, P_rect_00", is_kitti_raw, read_kitti_raw},
       {"KITTI odometry", "P0, P1", is_kitti_odometry, read_kitti_odometry},
       {"Middlebury", "cam0, cam1, doffs, baseline", is_middlebury, read_middlebury},
+      {"FoundationStereo", "K of 9 numbers, baseline", is_foundation_stereo, read_foundation_stereo},
+      {"RobotCar", "fx fy cx cy, 4x4 matrix", is_robotcar, read_robotcar},
       {"ROS ost", "camera matrix, distortion, rectification, projection", is_ost, read_ost},
       {"ZED", "LEFT_CAM_HD, STEREO", is_zed, read_zed},
       {"VINS-Fusion", "body_T_cam0, body_T_cam1, cam0_calib", is_vins, read_vins},

@@ -20,6 +20,10 @@ CLIQUEVO_CALIBRATION_FORMAT(middlebury);      // cam0=[f 0 cx; 0 f cy; 0 0 1], c
 CLIQUEVO_CALIBRATION_FORMAT(dso);
 // DSO's first lines in a file per camera (calib_0.txt, calib_1.txt), and a 4x4 matrix in calib_stereo.txt.
 CLIQUEVO_CALIBRATION_FORMAT(four_seasons);
+// Nine numbers of the camera matrix in a line, the baseline in the next: rectified pairs.
+CLIQUEVO_CALIBRATION_FORMAT(foundation_stereo);
+// A file per camera: fx fy cx cy, then a 4x4 matrix from the image's axes to the rig's; of undistorted images.
+CLIQUEVO_CALIBRATION_FORMAT(robotcar);
 // Keys.
 CLIQUEVO_CALIBRATION_FORMAT(kalibr);   // cam0, cam1: T_cn_cnm1 takes points from cam0 to cam1; T_cam_imu, T_imu_cam
 CLIQUEVO_CALIBRATION_FORMAT(euroc);    // sensor.yaml of each camera: T_BS takes points of the camera to the body
@@ -31,6 +35,11 @@ CLIQUEVO_CALIBRATION_FORMAT(zed);      // [LEFT_CAM_VGA], ... and [STEREO]; leng
 CLIQUEVO_CALIBRATION_FORMAT(ost);      // ROS's calibrator: both cameras in one text, or one text per camera
 CLIQUEVO_CALIBRATION_FORMAT(ros);      // camera_info of each camera
 CLIQUEVO_CALIBRATION_FORMAT(keyed);    // whatever else names its matrices: OpenCV, ORB-SLAM, stella_vslam
+
+// No format of its own: a camera alone. The other one's file and the pose are looked for beside it.
+bool is_one_camera(const CalibrationText& file);
+Result<StereoCalibration> read_one_camera(const CalibrationText& file, const CalibrationRequest& request,
+                                          const OtherFile& other);
 
 #undef CLIQUEVO_CALIBRATION_FORMAT
 

@@ -57,7 +57,7 @@ void split_fused(std::vector<std::string>& words) {
     if (w.size() < 2 || (w.back() != 'l' && w.back() != 'r')) continue;
     const std::string stem = w.substr(0, w.size() - 1);
     if (!among(stem, {"k", "m", "d", "p", "r", "fx", "fy", "cx", "cy", "mtx", "dist", "kc", "cam", "matrix", "coeffs",
-                      "coeff", "intrinsics", "distortion"})) {
+                      "coeff", "intrinsics", "distortion", "xi"})) {
       continue;
     }
     const std::string letter(1, w.back());
@@ -73,7 +73,15 @@ bool is_filler(const std::string& w) {
           "param",   "parameter", "calibration", "calib",  "coefficients", "coefficent", "coefficents", "coefficient",
           "coeffs",  "coeff",     "coefs",       "coef",   "vector",       "vec",        "the",         "of",
           "between", "stereo",    "value",       "values", "to",           "raw",        "px",          "m",
-          "image",   "img",       "eye",         "data"});
+          "image",   "img",       "eye",         "data",   "rgb",          "ir",         "nir",         "color",
+          "colour",  "gray",      "grey",        "mono",   "infra"});
+}
+
+// Words beside which a single "r" is still a rotation.
+bool names_camera_or_frame(const std::string& w) {
+  return among(w, {"r",         "l",          "left", "right", "cam",    "camera", "stereo", "calib", "calibration",
+                   "extrinsic", "extrinsics", "to",   "from",  "world",  "imu",    "body",   "rig",   "c",
+                   "rgb",       "ir",         "nir",  "color", "colour", "gray",   "grey",   "mono",  "infra"});
 }
 
 struct Words {
@@ -90,9 +98,7 @@ Words sort_words(std::vector<std::string> words, bool of_a_group, KeyMeaning& me
   // "r" is the right camera beside another word, and a rotation alone.
   std::size_t others = of_a_group ? 1 : 0;
   for (const std::string& w : words) {
-    const bool silent = is_number(w) || among(w, {"r", "l", "left", "right", "cam", "camera", "stereo", "calib",
-                                                  "calibration", "extrinsic", "extrinsics"});
-    others += silent ? 0 : 1;
+    others += is_number(w) || names_camera_or_frame(w) ? 0 : 1;
   }
   bool rotation = false;
   const auto see = [&meaning](KeySide side) {
@@ -142,7 +148,8 @@ void read_pose(const std::vector<std::string>& words, KeyMeaning& meaning) {
   meaning.body_first = body != words.end() && (camera == words.end() || body < camera);
 }
 
-Quantity scalar(const std::vector<std::string>& rest) {
+Quantity scalar(std::vector<std::string> rest) {
+  while (!rest.empty() && unit_named(rest.back()) > 0.0) rest.pop_back();
   if (rest.empty()) return Quantity::none;
   const std::string& w = rest.back();
   if (among(w, {"fx", "fu", "gamma1", "alphax"})) return Quantity::fx;
@@ -162,16 +169,33 @@ Quantity scalar(const std::vector<std::string>& rest) {
 
 bool is_rectified_name(const std::vector<std::string>& rest) {
   return std::any_of(rest.begin(), rest.end(), [](const std::string& w) {
-    return among(w, {"new", "optimal", "rectified", "undistorted", "undist", "roi", "valid", "error", "rms", "std",
-                     "essential", "fundamental", "covariance", "noise", "lidar", "velo", "depth", "gps", "mocap"});
+    return among(
+        w, {"new",   "optimal",   "rectified",   "undistorted", "undist",      "roi",    "valid", "error",   "rms",
+            "std",   "essential", "fundamental", "covariance",  "noise",       "lidar",  "velo",  "depth",   "gps",
+            "mocap", "percent",   "expected",    "nominal",     "theoretical", "target", "file",  "files",   "path",
+            "topic", "dir",       "folder",      "url",         "angle",       "angles", "euler", "degrees", "deg"});
   });
 }
 
+// Sizes of boards, windows and the like are not the images'.
+bool is_of_something_else(const std::vector<std::string>& words) {
+  return std::any_of(words.begin(), words.end(), [](const std::string& w) {
+    return w.starts_with("chess") || w.starts_with("check") || w.starts_with("square") || w.starts_with("board") ||
+           among(w, {"pattern", "corner", "corners", "inner", "marker", "tag", "aruco", "charuco", "april", "aprilgrid",
+                     "grid", "block", "window", "win", "kernel", "viewer", "tile", "requested", "desired"});
+  });
+}
+
+bool is_size(Quantity q) {
+  return q == Quantity::size || q == Quantity::shape || q == Quantity::width || q == Quantity::height;
+}
+
 bool is_rotation_word(const std::string& w) {
-  return w == "r" || w.starts_with("rot") || among(w, {"rmat", "om", "rvec", "rodrigues"});
+  return w == "r" || w.starts_with("rot") || w.starts_with("quat") ||
+         among(w, {"rmat", "om", "rvec", "rodrigues", "orientation"});
 }
 bool is_translation_word(const std::string& w) {
-  return among(w, {"t", "trans", "trns", "tvec"}) || w.starts_with("transl");
+  return among(w, {"t", "tra", "trans", "trns", "tvec"}) || w.starts_with("transl");
 }
 
 Quantity array(const Words& words, std::size_t count) {
@@ -194,13 +218,19 @@ Quantity array(const Words& words, std::size_t count) {
       (rest.size() == 1 && among(first, {"k", "a", "kk", "cm", "km", "kmat", "kmtx", "int"}))) {
     return Quantity::camera_matrix;
   }
-  if (any(is_rotation_word) && (count == 9 || count == 3)) return Quantity::rotation;
+  if (any(is_rotation_word) && (count == 9 || count == 3 || count == 4)) return Quantity::rotation;
   if (any(is_translation_word) && count == 3) return Quantity::translation;
   const bool pose = any([](const std::string& w) {
     return w == "t" || w == "rt" || w == "tf" || w == "pose" || w.starts_with("transf") || w.starts_with("extr");
   });
   if (pose && (count == 16 || count == 12)) return Quantity::pose;
   if (count == 2) {
+    if (any([](const std::string& w) { return w == "fc" || w == "focal" || w.starts_with("focallength"); })) {
+      return Quantity::focals;
+    }
+    if (any([](const std::string& w) { return w == "cc" || w == "principal" || w.starts_with("principalpoint"); })) {
+      return Quantity::centre;
+    }
     if (any([](const std::string& w) { return w == "shape"; })) return Quantity::shape;
     if (any([](const std::string& w) {
           return among(w, {"size", "resolution", "imsize", "imgsize", "imagesize", "dimension", "dim", "framesize"});
@@ -234,7 +264,41 @@ bool is_term(std::vector<std::string>& words, KeyMeaning& meaning) {
   return false;
 }
 
+// "R_cam_to_world": from the camera to another frame than a camera.
+bool leads_outwards(const std::vector<std::string>& words) {
+  for (std::size_t i = 1; i + 1 < words.size(); ++i) {
+    if (words[i] != "to" && words[i] != "2") continue;
+    return among(words[i - 1], {"cam", "camera", "c"}) &&
+           among(words[i + 1], {"world", "w", "body", "base", "imu", "rig", "board", "target", "reference", "ref"});
+  }
+  return false;
+}
+
+// What only the whole path of keys tells.
+void settle(const std::vector<std::string>& words, KeyMeaning& meaning) {
+  const bool in_metres = std::any_of(words.begin(), words.end(), [](const auto& w) { return unit_named(w) > 0.0; });
+  if (is_size(meaning.quantity) && (in_metres || is_of_something_else(words))) meaning.quantity = Quantity::none;
+  const bool rotation = meaning.quantity == Quantity::rotation;
+  const bool translation = meaning.quantity == Quantity::translation;
+  if (rotation || translation || meaning.quantity == Quantity::pose) read_pose(words, meaning);
+  if ((rotation || translation) && leads_outwards(words)) {
+    meaning.quantity = rotation ? Quantity::rotation_outwards : Quantity::translation_outwards;
+  }
+  if (!translation && meaning.quantity != Quantity::pose && meaning.quantity != Quantity::baseline) return;
+  for (const std::string& w : words) {
+    if (const double unit = unit_named(w); unit > 0.0) meaning.unit_m = unit;
+  }
+  if (meaning.quantity == Quantity::baseline && meaning.unit_m > 0.0) meaning.quantity = Quantity::baseline_in_unit;
+}
+
 }  // namespace
+
+double unit_named(const std::string& word) {
+  if (among(word, {"m", "meter", "meters", "metre", "metres"})) return 1.0;
+  if (among(word, {"mm", "millimeter", "millimeters", "millimetre", "millimetres"})) return 0.001;
+  if (among(word, {"cm", "centimeter", "centimeters", "centimetre", "centimetres"})) return 0.01;
+  return among(word, {"inch", "inches"}) ? 0.0254 : 0.0;
+}
 
 KeyMeaning meaning_of(const std::vector<std::string>& path, std::size_t count) {
   KeyMeaning meaning;
@@ -254,10 +318,7 @@ KeyMeaning meaning_of(const std::vector<std::string>& path, std::size_t count) {
     meaning.quantity = count == 0 ? word_value(sorted) : count == 1 ? scalar(sorted.rest) : array(sorted, count);
     decided = true;
   }
-  if (meaning.quantity == Quantity::pose || meaning.quantity == Quantity::rotation ||
-      meaning.quantity == Quantity::translation) {
-    read_pose(all, meaning);
-  }
+  settle(all, meaning);
   return meaning;
 }
 

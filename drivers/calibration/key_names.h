@@ -14,7 +14,7 @@ enum class Quantity {
   none,
   camera_matrix,  // 9 numbers, or fx fy cx cy
   distortion,     //
-  rotation,       // 9 numbers or a rotation vector
+  rotation,       // 9 numbers, a rotation vector or a quaternion
   translation,    // 3
   pose,           // 12 or 16
   rectification,  // 9
@@ -23,20 +23,26 @@ enum class Quantity {
   shape,          // height, width
   width,
   height,
-  lens,      // a model's name
-  focal,     // fx and fy in one
-  fx,        //
-  fy,        //
-  cx,        //
-  cy,        //
-  k,         // radial term `index`
-  p,         // tangential term `index`
-  s,         // thin-prism term `index`
-  xi,        //
-  alpha,     //
-  beta,      //
-  baseline,  // m
-  bf,        // baseline times fx, px m
+  lens,              // a model's name
+  focal,             // fx and fy in one
+  focals,            // fx, fy
+  centre,            // cx, cy
+  fx,                //
+  fy,                //
+  cx,                //
+  cy,                //
+  k,                 // radial term `index`
+  p,                 // tangential term `index`
+  s,                 // thin-prism term `index`
+  xi,                //
+  alpha,             //
+  beta,              //
+  baseline,          // in the file's unit
+  baseline_in_unit,  // in the unit that its name tells
+  bf,                // baseline times fx, px m
+  // Of a camera's pose the other way round ("R_cam_to_world"): from the camera to a common frame.
+  rotation_outwards,     // 9 numbers or a rotation vector
+  translation_outwards,  // 3
 };
 
 enum class KeySide { none, left, right, both };
@@ -48,7 +54,11 @@ struct KeyMeaning {
   int index = 0;                 // of a term
   bool body_first = false;       // of a pose: "T_imu_cam", "body_T_cam", "T_BS": takes the camera's points to a body
   bool against_body = false;     // of a pose: against a third frame
+  double unit_m = 0.0;           // of a length: metres a unit, by a word such as mm; 0 = none named
 };
+
+// Metres a unit of length: "mm", "metres", "inch"; 0 = it is none.
+double unit_named(const std::string& word);
 
 // `path`: the keys from the outermost to the value; `count`: how many numbers it has (0: a word).
 KeyMeaning meaning_of(const std::vector<std::string>& path, std::size_t count);

@@ -1,282 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that name their matrices and numbers, each in its own way: OpenCV's FileStorage in YAML, XML and JSON,
 // ORB-SLAM2 and 3, stella_vslam, and whatever else key_names.h understands.
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "drivers/calibration/camera_parts.h"
 #include "drivers/calibration/formats.h"
-#include "drivers/calibration/keys.h"
+#include "drivers/calibration/keyed_parts.h"
+#include "drivers/calibration/keyed_pose.h"
 
 namespace cliquevo::drivers {
 
 namespace {
-
-// What a reader looks for: the camera's own, else the one for both.
-Result<const KeyEntry*> own_or_common(const Keys& keys, Quantity quantity, KeySide side, int index = 0) {
-  auto own = keys.find(quantity, side, index);
-  if (!own || *own != nullptr || side == KeySide::none) return own;
-  return keys.find(quantity, KeySide::none, index);
-}
-
-Result<std::optional<double>> number(const Keys& keys, Quantity quantity, KeySide side, int index = 0) {
-  const auto entry = own_or_common(keys, quantity, side, index);
-  if (!entry) return entry.error();
-  if (*entry == nullptr || (*entry)->numbers.size() != 1) return std::optional<double>{};
-  return std::optional<double>{(*entry)->numbers.front()};
-}
-
-// fx, fy, cx, cy as numbers of their own; false: there are none.
-Result<bool> read_focal_lengths(const Keys& keys, KeySide side, CameraCalibration& camera) {
-  const auto f = number(keys, Quantity::focal, side);
-  if (!f) return f.error();
-  double values[4] = {f->value_or(0.0), f->value_or(0.0), 0.0, 0.0};
-  int i = 0;
-  int found = *f ? 2 : 0;
-  for (const Quantity q : {Quantity::fx, Quantity::fy, Quantity::cx, Quantity::cy}) {
-    const auto value = number(keys, q, side);
-    if (!value) return value.error();
-    if (*value) {
-      found += i >= 2 || !*f ? 1 : 0;
-      values[i] = **value;
-    }
-    ++i;
-  }
-  if (found < 4) return false;
-  if (auto ok = set_camera_matrix({values[0], 0, values[2], 0, values[1], values[3], 0, 0, 1}, "fx", camera); !ok) {
-    return ok.error();
-  }
-  return true;
-}
-
-Result<void> read_matrix(const KeyEntry& K, CameraParts& parts) {
-  if (K.numbers.size() == 4) {  // fx fy cx cy
-    const std::vector<double>& v = K.numbers;
-    return put_camera_matrix({v[0], 0, v[2], 0, v[1], v[3], 0, 0, 1}, K.where, parts);
-  }
-  if (K.numbers.size() != 9) {
-    return Error{fmt::format("{} has {} numbers instead of 9", printable(K.key), K.numbers.size()), K.where,
-                 "copy the calibration again: it is torn"};
-  }
-  return put_camera_matrix(K.numbers, K.where, parts);
-}
-
-bool is_fisheye_name(std::string name) {
-  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return name.find("fish") != std::string::npos || name.find("kannala") != std::string::npos ||
-         name.find("equi") != std::string::npos || name.starts_with("kb");
-}
-
-// k1 k2 p1 p2 k3 ... as numbers of their own, in the model's order.
-Result<void> read_terms(const Keys& keys, KeySide side, CameraParts& parts) {
-  double k[7] = {};
-  double p[3] = {};
-  double s[5] = {};
-  int most_k = 0;
-  bool any_p = false;
-  bool any_s = false;
-  const auto take = [&](Quantity q, int index, double& into) -> Result<bool> {
-    const auto value = number(keys, q, side, index);
-    if (!value) return value.error();
-    into = value->value_or(0.0);
-    return value->has_value();
-  };
-  for (int i = 1; i <= 6; ++i) {
-    const auto there = take(Quantity::k, i, k[i]);
-    if (!there) return there.error();
-    if (*there) most_k = i;
-  }
-  for (int i = 1; i <= 2; ++i) {
-    const auto there = take(Quantity::p, i, p[i]);
-    if (!there) return there.error();
-    any_p = any_p || *there;
-  }
-  for (int i = 1; i <= 4; ++i) {
-    const auto there = take(Quantity::s, i, s[i]);
-    if (!there) return there.error();
-    any_s = any_s || (*there && s[i] != 0.0);
-  }
-  if (most_k == 0 && !any_p) return {};
-  const bool fisheye = is_fisheye_name(parts.lens) || (parts.lens.empty() && most_k == 4 && !any_p);
-  if (fisheye) {
-    if (parts.lens.empty()) parts.lens = "equidistant";
-    parts.D = {k[1], k[2], k[3], k[4]};
-    return {};
-  }
-  parts.D = {k[1], k[2], p[1], p[2], k[3]};
-  if (most_k > 3 || any_s) parts.D.insert(parts.D.end(), {k[4], k[5], k[6]});
-  if (any_s) parts.D.insert(parts.D.end(), {s[1], s[2], s[3], s[4]});
-  if (parts.lens.empty()) parts.lens = "pinhole";  // the terms have their names
-  return {};
-}
-
-// The model's name. Words that name no lens ("type: stereo") count only where the key names distortion, and a rectified
-// camera's "perspective" not beside the raw ones' lens.
-Result<std::string> lens_name(const Keys& keys, KeySide side) {
-  std::string lens;
-  for (const KeyEntry* entry : keys.lenses(side)) {
-    CameraCalibration unused;
-    const std::string& word = entry->word;
-    const bool plain = word == "pinhole" || word == "PinHole" || word == "Pinhole" || word == "perspective";
-    const bool known =
-        set_distortion(word, {0, 0, 0, 0}, "", unused).ok() || set_distortion(word, {0, 0}, "", unused).ok();
-    if (plain || (!known && entry->key.find("istort") == std::string::npos)) continue;
-    if (!lens.empty() && lens != word) {
-      return Error{"calibration names two lens models", entry->where,
-                   "leave one of " + printable(lens) + " and " + printable(word.substr(0, 32))};
-    }
-    lens = word;
-  }
-  return lens;
-}
-
-Result<void> read_lens(const Keys& keys, KeySide side, CameraParts& parts) {
-  const auto lens = lens_name(keys, side);
-  if (!lens) return lens.error();
-  parts.lens = *lens;
-  const auto D = own_or_common(keys, Quantity::distortion, side);
-  if (!D) return D.error();
-  parts.D_where = parts.where;
-  if (*D == nullptr) return read_terms(keys, side, parts);
-  parts.D = (*D)->numbers;
-  parts.D_where = (*D)->where;
-  return {};
-}
-
-Result<void> read_size(const Keys& keys, KeySide side, CameraParts& parts) {
-  for (const Quantity q : {Quantity::size, Quantity::shape}) {
-    const auto list = own_or_common(keys, q, side);
-    if (!list) return list.error();
-    if (*list == nullptr) continue;
-    const std::vector<double>& v = (*list)->numbers;
-    const auto size =
-        q == Quantity::size ? size_from(v[0], v[1], (*list)->where) : size_from(v[1], v[0], (*list)->where);
-    if (!size) return size.error();
-    parts.camera.width = size->first;
-    parts.camera.height = size->second;
-    return {};
-  }
-  const auto width = number(keys, Quantity::width, side);
-  if (!width) return width.error();
-  const auto height = number(keys, Quantity::height, side);
-  if (!height) return height.error();
-  if (!*width || !*height) return {};
-  const auto size = size_from(**width, **height, parts.where);
-  if (!size) return size.error();
-  parts.camera.width = size->first;
-  parts.camera.height = size->second;
-  return {};
-}
-
-Result<CameraParts> read_parts(const Keys& keys, KeySide side, const std::string& path) {
-  CameraParts parts;
-  parts.where = path;
-  const auto K = own_or_common(keys, Quantity::camera_matrix, side);
-  if (!K) return K.error();
-  if (*K != nullptr) {
-    if (auto ok = read_matrix(**K, parts); !ok) return ok.error();
-  } else {
-    const auto there = read_focal_lengths(keys, side, parts.camera);
-    if (!there) return Error{there.error().what, path + " (" + there.error().where + ")", there.error().remedy};
-    if (!*there && side == KeySide::right) {  // one camera's numbers for both
-      if (const auto left = read_focal_lengths(keys, KeySide::left, parts.camera); !left) return left.error();
-    }
-  }
-  if (auto ok = read_size(keys, side, parts); !ok) return ok.error();
-  if (auto ok = read_lens(keys, side, parts); !ok) return ok.error();
-  const auto P = keys.find(Quantity::projection, side);
-  if (!P) return P.error();
-  if (*P != nullptr) parts.P = (*P)->numbers;
-  for (const Quantity q : {Quantity::rectification, Quantity::rotation}) {
-    const auto R = keys.find(q, side);
-    if (!R) return R.error();
-    if (*R == nullptr || (*R)->numbers.size() != 9 || parts.R) continue;
-    if (auto ok = put_rectification((*R)->numbers, (*R)->where, parts); !ok) return ok.error();
-  }
-  return parts;
-}
-
-Result<Eigen::Matrix3d> rotation_of(const KeyEntry& R) {
-  if (R.numbers.size() == 3) {  // as a rotation vector
-    const Eigen::Vector3d turn(R.numbers[0], R.numbers[1], R.numbers[2]);
-    if (turn.norm() > 4.0) return calibration_error("rotation vector is absurd", R.where);
-    return Eigen::Matrix3d(so3_exp(turn));
-  }
-  const Eigen::Matrix3d out = matrix3_from(R.numbers);
-  if (auto ok = check_rotation(out, R.where); !ok) return ok.error();
-  return out;
-}
-
-// A pose between the cameras whose direction its name leaves open: the right camera lies on the right.
-RigidTransform right_from_left(const RigidTransform& T) { return T.t.x() > 0.0 ? T.inverse() : T; }
-
-using Pose = std::optional<RigidTransform>;
-
-Result<Pose> pose_of_matrices(const Keys& keys) {
-  for (const KeySide side : {KeySide::none, KeySide::both, KeySide::right}) {
-    const auto T = keys.find(Quantity::translation, side);
-    if (!T) return T.error();
-    if (*T == nullptr) continue;
-    const auto R = keys.find(Quantity::rotation, side);
-    if (!R) return R.error();
-    if (*R == nullptr) return Error{"calibration lacks R, the rotation between the cameras", (*T)->where, "name it R"};
-    const auto rotation = rotation_of(**R);
-    if (!rotation) return rotation.error();
-    RigidTransform pose{*rotation, {(*T)->numbers[0], (*T)->numbers[1], (*T)->numbers[2]}};
-    if (side == KeySide::both) return Pose{right_from_left(pose)};
-    if (side == KeySide::right && keys.has(Quantity::translation, KeySide::left)) {
-      // Each camera's own pose: from a common frame to the camera.
-      const auto T_left = keys.find(Quantity::translation, KeySide::left);
-      const auto R_left = keys.find(Quantity::rotation, KeySide::left);
-      if (!T_left) return T_left.error();
-      if (!R_left) return R_left.error();
-      if (*R_left == nullptr) return Error{"calibration lacks the left camera's rotation", (*T_left)->where, "add it"};
-      const auto left = rotation_of(**R_left);
-      if (!left) return left.error();
-      const std::vector<double>& t = (*T_left)->numbers;
-      pose = pose * RigidTransform{*left, {t[0], t[1], t[2]}}.inverse();
-    }
-    return Pose{pose};
-  }
-  return Pose{};
-}
-
-Result<Pose> pose_of_transforms(const Keys& keys) {
-  for (const KeySide side : {KeySide::both, KeySide::none, KeySide::right}) {
-    const auto entry = keys.find(Quantity::pose, side);
-    if (!entry) return entry.error();
-    if (*entry == nullptr || (side == KeySide::none && (*entry)->meaning.against_body)) continue;
-    const auto T = transform_from((*entry)->numbers, (*entry)->where);
-    if (!T) return T.error();
-    if (side != KeySide::right) return Pose{right_from_left(*T)};
-    const auto other = keys.find(Quantity::pose, KeySide::left);
-    if (!other) return other.error();
-    if (*other == nullptr) {
-      if ((*entry)->meaning.against_body) continue;
-      return Pose{right_from_left(*T)};
-    }
-    const auto T_left = transform_from((*other)->numbers, (*other)->where);
-    if (!T_left) return T_left.error();
-    // Unnamed frames: of the two readings the one with the right camera on the right.
-    const RigidTransform to_body = T->inverse() * *T_left;
-    const RigidTransform from_body = *T * T_left->inverse();
-    if ((*entry)->meaning.against_body) return Pose{(*entry)->meaning.body_first ? to_body : from_body};
-    return Pose{from_body.t.x() < 0.0 ? from_body : to_body};
-  }
-  return Pose{};
-}
-
-// baseline, or bf (of the rectified camera's fx); nothing = neither.
-Result<std::optional<double>> baseline_of(const Keys& keys, double fx_px) {
-  const auto baseline = number(keys, Quantity::baseline, KeySide::none);
-  if (!baseline) return baseline.error();
-  if (*baseline) return std::optional<double>{std::abs(**baseline)};
-  const auto bf = number(keys, Quantity::bf, KeySide::none);
-  if (!bf) return bf.error();
-  if (!*bf || !(fx_px > 0.0)) return std::optional<double>{};
-  return std::optional<double>{std::abs(**bf) / fx_px};
-}
 
 // ORB-SLAM2's and stella_vslam's rectified camera beside the raw ones: Camera.fx and so on, with Camera.bf.
 Result<void> add_projections(const Keys& keys, CameraParts& left, CameraParts& right) {
@@ -294,43 +31,139 @@ Result<void> add_projections(const Keys& keys, CameraParts& left, CameraParts& r
   return {};
 }
 
+// The rectified camera of ORB-SLAM's settings, where LEFT and RIGHT are another rig's that were left in the file.
+Result<std::optional<StereoCalibration>> rig_beside_leftovers(const Keys& keys, const CameraParts& left,
+                                                              const std::string& path,
+                                                              const CalibrationRequest& request) {
+  using Rig = std::optional<StereoCalibration>;
+  CameraParts camera;
+  camera.where = path;
+  const auto there = read_focal_lengths(keys, KeySide::none, camera.camera);
+  if (!there || !*there || left.P.size() != 12) return Rig{};
+  const auto baseline = baseline_of(keys, camera.camera.fx_px);
+  if (!baseline || !*baseline) return Rig{};
+  const double fx_px = camera.camera.fx_px;
+  const auto agrees = [fx_px](double other_px) { return std::abs(fx_px - other_px) < 1e-3 * other_px; };
+  if (agrees(left.P[0]) || agrees(left.camera.fx_px)) return Rig{};
+  const auto width = number_of(keys, Quantity::width, KeySide::none);
+  const auto height = number_of(keys, Quantity::height, KeySide::none);
+  const bool of_the_images =
+      width && height && *width && *height && **width == request.width && **height == request.height;
+  const bool left_is = left.camera.width == request.width && left.camera.height == request.height;
+  if (left_is && !of_the_images) return Rig{};
+  if (!of_the_images || left_is) {
+    return Error{fmt::format("calibration tells two rectified cameras: fx of {:.2f} px, and of {:.2f} px by LEFT.P",
+                             fx_px, left.P[0]),
+                 path, "leave LEFT and RIGHT out if the images are rectified; else put LEFT.P's numbers to Camera"};
+  }
+  camera.camera.width = request.width;
+  camera.camera.height = request.height;
+  auto rig = rig_of_pose(camera, camera, {Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, request);
+  if (!rig) return rig.error();
+  rig->notes.push_back(
+      fmt::format("Camera's fx of {:.2f} px taken for that of rectified images, as LEFT.P tells another one", fx_px));
+  return Rig{std::move(*rig)};
+}
+
+bool same_cameras(const CameraParts& a, const CameraParts& b) {
+  return a.camera.fx_px == b.camera.fx_px && a.camera.fy_px == b.camera.fy_px && a.camera.cx_px == b.camera.cx_px &&
+         a.camera.cy_px == b.camera.cy_px && a.D == b.D && !a.R && !b.R;
+}
+
+// A first camera that lies on the right, for certain, is the right one: by poses in a body, by projections that
+// were computed from R and T, or where both cameras are one and the same.
+void order_cameras(CameraParts& left, CameraParts& right, KeyedPose& pose, std::vector<std::string>& notes) {
+  if (pose.T_right_left.t.x() <= 0.0) return;
+  const bool computed = left.P.size() == 12 && right.P.size() == 12 && left.R && right.R && right.P[3] > left.P[3];
+  const bool ideal = same_cameras(left, right) && pose.T_right_left.R.isIdentity(1e-9);
+  if (!pose.directed && !computed && !ideal) return;
+  std::swap(left, right);
+  pose.T_right_left = pose.T_right_left.inverse();
+  notes.push_back(kExchangedNote);
+}
+
+// Cameras with their rectified ones and no pose besides.
+Result<StereoCalibration> rig_by_projections(const Keys& keys, CameraParts left, CameraParts right,
+                                             const CalibrationRequest& request) {
+  for (CameraParts* parts : {&left, &right}) {
+    if (!parts->R && parts->D.empty()) parts->R = Eigen::Matrix3d::Identity();
+  }
+  std::optional<Eigen::Vector3d> T;
+  if (left.P[3] == 0.0 && right.P[3] == 0.0) {
+    const auto baseline = baseline_of(keys, right.P[0]);
+    if (!baseline) return baseline.error();
+    if (*baseline) T = Eigen::Vector3d(-**baseline, 0.0, 0.0);
+  }
+  std::vector<std::string> notes;
+  const double unit_m = length_unit_of(keys, std::abs(right.P[3] - left.P[3]) / std::abs(right.P[0]), notes);
+  auto rig = rig_of_projections(std::move(left), std::move(right), T, request, unit_m);
+  if (rig) rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
+  return rig;
+}
+
+// Cameras whose pose is told by their distance alone.
+Result<KeyedPose> parallel_pose(const Keys& keys, const CameraParts& left, const std::string& path,
+                                std::vector<std::string>& notes) {
+  const auto baseline = baseline_of(keys, left.camera.fx_px);
+  if (!baseline) return baseline.error();
+  if (!*baseline) {
+    return Error{"calibration lacks the pose of the right camera", path,
+                 "it needs R and T, a 4x4 transform, projections P1 and P2, a baseline, or Camera.bf"};
+  }
+  if (std::any_of(left.D.begin(), left.D.end(), [](double k) { return k != 0.0; })) {
+    notes.push_back("no rotation between the cameras is told: they are taken for parallel");
+  }
+  return KeyedPose{{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, true};
+}
+
 Result<StereoCalibration> rig_of(const Keys& keys, const std::string& path, const CalibrationRequest& request) {
   Result<CameraParts> left = read_parts(keys, KeySide::left, path);
   if (!left) return left.error();
   Result<CameraParts> right = read_parts(keys, KeySide::right, path);
   if (!right) return right.error();
+  auto plain = rig_beside_leftovers(keys, *left, path, request);
+  if (!plain) return plain.error();
+  if (*plain) return std::move(**plain);
   if (auto ok = add_projections(keys, *left, *right); !ok) return ok.error();
-  Result<Pose> pose = pose_of_matrices(keys);
-  if (pose && !*pose) pose = pose_of_transforms(keys);
+  auto pose = pose_of(keys, *left, *right);
   if (!pose) return pose.error();
-  const bool projections = left->P.size() == 12 && right->P.size() == 12;
-  if (!*pose && projections) {
-    if (!left->R && left->D.empty()) left->R = Eigen::Matrix3d::Identity();
-    if (!right->R && right->D.empty()) right->R = Eigen::Matrix3d::Identity();
-    return rig_of_projections(*left, *right, std::nullopt, request);
-  }
+  if (!*pose && left->P.size() == 12 && right->P.size() == 12) return rig_by_projections(keys, *left, *right, request);
   if (left->camera.fx_px <= 0.0 || right->camera.fx_px <= 0.0) {
     return calibration_error("calibration lacks the left or the right camera's matrix", path);
   }
-  if (!*pose) {  // parallel cameras
-    const auto baseline = baseline_of(keys, left->camera.fx_px);
-    if (!baseline) return baseline.error();
-    if (!*baseline) {
-      return Error{"calibration lacks the pose of the right camera", path,
-                   "it needs R and T, a 4x4 transform, projections P1 and P2, a baseline, or Camera.bf"};
-    }
-    *pose = RigidTransform{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}};
+  std::vector<std::string> notes;
+  double unit_m = 1.0;
+  if (*pose) {
+    unit_m = length_unit_of(keys, (*pose)->T_right_left.t.norm(), notes);
+  } else {
+    auto parallel = parallel_pose(keys, *left, path, notes);
+    if (!parallel) return parallel.error();
+    *pose = *parallel;
+  }
+  if (left->transposed && right->transposed) {
+    notes.push_back("camera matrices stand as their transposes, as MATLAB's: R is read likewise");
   }
   // Rotations of cameras with a translation each are poses, no rectification.
   if (keys.has(Quantity::translation, KeySide::right)) left->R = right->R = std::nullopt;
-  return rig_of_pose(*left, *right, **pose, request);
+  order_cameras(*left, *right, **pose, notes);
+  auto rig = rig_of_pose(*left, *right, (*pose)->T_right_left, request, unit_m);
+  if (rig) rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
+  return rig;
 }
 
 bool has_cameras(const Keys& keys) {
-  for (const Quantity q : {Quantity::camera_matrix, Quantity::fx, Quantity::focal, Quantity::projection}) {
+  for (const Quantity q :
+       {Quantity::camera_matrix, Quantity::fx, Quantity::focal, Quantity::focals, Quantity::projection}) {
     if (keys.has(q, KeySide::right)) return true;
   }
   return false;
+}
+
+void add_under(const char* side, const Document& camera, Keys& keys) {
+  DocumentNode root;
+  root.kind = DocumentNode::Kind::map;
+  root.entries.push_back({side, camera.root()});
+  keys.add(Document::of(std::move(root), camera.path()));
 }
 
 // The cameras' own files beside one that holds their pose alone.
@@ -346,18 +179,48 @@ bool add_cameras_beside(const std::string& path, const OtherFile& other, Keys& k
     }
     const auto camera = read_other(other, paths);
     if (!camera) return false;
-    DocumentNode root;
-    root.kind = DocumentNode::Kind::map;
-    root.entries.push_back({side, camera->root()});
-    keys.add(Document::of(std::move(root), camera->path()));
+    add_under(side, *camera, keys);
   }
   return true;
+}
+
+bool has_distance(const Keys& keys) {
+  return keys.has(Quantity::baseline) || keys.has(Quantity::baseline_in_unit) || keys.has(Quantity::bf);
 }
 
 bool has_pose(const Keys& keys) {
   const bool matrices = keys.has(Quantity::translation) && keys.has(Quantity::rotation);
   return matrices || keys.has(Quantity::pose) || keys.has(Quantity::projection, KeySide::right) ||
-         keys.has(Quantity::baseline) || keys.has(Quantity::bf);
+         keys.has(Quantity::translation_outwards) || has_distance(keys);
+}
+
+bool has_camera(const Keys& keys, KeySide side) {
+  for (const Quantity q : {Quantity::camera_matrix, Quantity::fx, Quantity::focal, Quantity::focals}) {
+    if (keys.has(q, side)) return true;
+  }
+  return false;
+}
+
+// Two files of one camera each, with their poses in them or in a third one; nothing = the other is not there.
+std::optional<Keys> pair_of_files(const CalibrationText& file, const OtherFile& other) {
+  const auto second = read_other(other, other_camera_paths(file.path));
+  if (!second || second->path() == file.path) return std::nullopt;
+  const Keys theirs(*second);
+  if (!has_camera(theirs, KeySide::none) || has_cameras(theirs)) return std::nullopt;
+  const bool swapped = is_right_of(file.path, second->path());
+  Keys keys;
+  add_under("left", swapped ? *second : *file.document, keys);
+  add_under("right", swapped ? *file.document : *second, keys);
+  if (has_pose(keys)) return keys;
+  std::vector<std::string> paths;
+  for (const std::string extension : {".yml", ".yaml", ".xml", ".json"}) {
+    for (const char* name : {"stereo", "extrinsics", "extrinsic", "stereo_extrinsics", "stereo_calib", "stereo_params",
+                             "stereo_calibration", "calib_stereo", "cam_stereo", "R_T"}) {
+      paths.push_back(beside(file.path, name + extension));
+    }
+  }
+  if (const auto pose = read_other(other, paths)) keys.add(*pose);
+  return keys;
 }
 
 }  // namespace
@@ -365,18 +228,22 @@ bool has_pose(const Keys& keys) {
 bool is_keyed(const CalibrationText& file) {
   if (!file.document) return false;
   const Keys keys(*file.document);
-  const bool one_for_both = keys.has(Quantity::fx) && (keys.has(Quantity::bf) || keys.has(Quantity::baseline));
-  const bool matrix_for_both =
-      keys.has(Quantity::camera_matrix) && (keys.has(Quantity::baseline) || keys.has(Quantity::bf));
+  const bool one_for_both = (keys.has(Quantity::fx) || keys.has(Quantity::focal) || keys.has(Quantity::focals) ||
+                             keys.has(Quantity::camera_matrix)) &&
+                            has_distance(keys);
   const bool extrinsics = keys.has(Quantity::translation) && keys.has(Quantity::rotation);
-  return has_cameras(keys) || one_for_both || matrix_for_both || extrinsics;
+  return has_cameras(keys) || one_for_both || extrinsics;
 }
 
 Result<StereoCalibration> read_keyed(const CalibrationText& file, const CalibrationRequest& request,
                                      const OtherFile& other) {
   Keys keys(*file.document);
+  if (has_camera(keys, KeySide::none) && !has_cameras(keys)) {
+    if (const auto both = pair_of_files(file, other)) return rig_of(*both, file.path, request);
+  }
   const bool projections = keys.has(Quantity::projection, KeySide::right);
-  const bool cameras = keys.has(Quantity::camera_matrix) || keys.has(Quantity::fx) || keys.has(Quantity::focal);
+  const bool cameras = keys.has(Quantity::camera_matrix) || keys.has(Quantity::fx) || keys.has(Quantity::focal) ||
+                       keys.has(Quantity::focals);
   if (cameras && has_pose(keys)) return rig_of(keys, file.path, request);
   // Cameras in one file, their pose in another.
   std::vector<std::string> paths;
@@ -395,6 +262,21 @@ Result<StereoCalibration> read_keyed(const CalibrationText& file, const Calibrat
   }
   keys.add(*second);
   return rig_of(keys, file.path, request);
+}
+
+bool is_one_camera(const CalibrationText& file) { return has_camera(Keys(*file.document), KeySide::none); }
+
+Result<StereoCalibration> read_one_camera(const CalibrationText& file, const CalibrationRequest& request,
+                                          const OtherFile& other) {
+  const auto both = pair_of_files(file, other);
+  if (both && has_pose(*both)) return rig_of(*both, file.path, request);
+  if (both) {
+    return Error{"calibration lacks R and T between the cameras", file.path,
+                 "put them beside it in stereo.yml, or name a file with both cameras and their pose"};
+  }
+  return Error{"calibration is of a single camera", file.path,
+               "name a file with both cameras and their pose, or put the other camera's beside it, named left and "
+               "right or cam0 and cam1"};
 }
 
 }  // namespace cliquevo::drivers

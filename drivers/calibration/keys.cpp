@@ -21,6 +21,9 @@ bool is_of_a_camera(Quantity q) {
     case Quantity::cx:
     case Quantity::cy:
     case Quantity::focal:
+    case Quantity::focals:
+    case Quantity::centre:
+    case Quantity::xi:
     case Quantity::k:
     case Quantity::p:
     case Quantity::s:
@@ -28,6 +31,16 @@ bool is_of_a_camera(Quantity q) {
     default:
       return false;
   }
+}
+
+// "120 mm", "0.12m": a number and its unit of length.
+std::optional<std::pair<double, double>> length_of(std::string_view text) {
+  const std::size_t end = text.find_last_of("0123456789.");
+  if (end == std::string_view::npos || end + 1 >= text.size()) return std::nullopt;
+  const std::optional<double> number = parse_number(trim(text.substr(0, end + 1)));
+  const double unit_m = unit_named(std::string(trim(text.substr(end + 1))));
+  if (!number || unit_m <= 0.0) return std::nullopt;
+  return std::pair{*number, unit_m};
 }
 
 }  // namespace
@@ -72,10 +85,27 @@ bool Keys::has(Quantity quantity) const {
                      [&](const KeyEntry& entry) { return entry.meaning.quantity == quantity; });
 }
 
+namespace {
+
+// {x: 1, y: 2, z: 3}, with w or without: a list of numbers in this order; nothing = it is another map.
+std::optional<DocumentNode> as_list(const DocumentNode& node) {
+  if (node.entries.size() != 3 && node.entries.size() != 4) return std::nullopt;
+  DocumentNode out;
+  out.kind = DocumentNode::Kind::list;
+  out.line = node.line;
+  for (const char* name : {"x", "y", "z", "w"}) {
+    if (const DocumentNode* value = node.find(name)) out.items.push_back(*value);
+  }
+  return out.items.size() == node.entries.size() ? std::optional(std::move(out)) : std::nullopt;
+}
+
+}  // namespace
+
 void Keys::walk(const DocumentNode& node, const std::string& file, const std::string& key,
                 std::vector<std::string>& path) {
   if (path.size() > 8 || entries_.size() > 2000) return;
   const bool matrix = node.find("data") != nullptr;
+  if (const auto list = as_list(node); list && !path.empty()) return leaf(*list, file, key, path);
   if (node.kind == DocumentNode::Kind::map && !matrix) {
     for (const auto& [name, inner] : node.entries) step(inner, file, key, name, path);
     return;
@@ -109,10 +139,19 @@ void Keys::leaf(const DocumentNode& node, const std::string& file, const std::st
   entry.key = key;
   const std::string shown = printable(key.substr(0, 64));
   entry.where = node.line > 0 ? fmt::format("{}:{} ({})", file, node.line, shown) : fmt::format("{} ({})", file, shown);
+  const auto length = node.kind == DocumentNode::Kind::scalar ? length_of(node.scalar) : std::nullopt;
+  if (length && meaning_of(path, 1).quantity == Quantity::baseline) {
+    entry.meaning = meaning_of(path, 1);
+    entry.meaning.quantity = Quantity::baseline_in_unit;
+    entry.numbers = {length->first * length->second};
+    entries_.push_back(std::move(entry));
+    return;
+  }
   const Result<std::vector<double>> numbers = numbers_of(node, entry.where);
   if (numbers) {
     entry.numbers = *numbers;
     entry.meaning = meaning_of(path, entry.numbers.size());
+    if (entry.meaning.quantity == Quantity::baseline_in_unit) entry.numbers[0] *= entry.meaning.unit_m;
     if (entry.numbers.empty() && node.kind != DocumentNode::Kind::scalar) {
       entry.meaning = meaning_of(path, 5);  // no distortion terms are none, not a word
       if (entry.meaning.quantity != Quantity::distortion) return;
@@ -142,7 +181,7 @@ void Keys::settle_numbers() {
   for (const KeyEntry& entry : entries_) {
     const KeyMeaning& m = entry.meaning;
     if (m.quantity != Quantity::camera_matrix && m.quantity != Quantity::fx && m.quantity != Quantity::projection &&
-        m.quantity != Quantity::focal) {
+        m.quantity != Quantity::focal && m.quantity != Quantity::focals) {
       continue;
     }
     if (m.side == KeySide::none && m.number) numbers.insert(*m.number);

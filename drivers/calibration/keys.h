@@ -23,6 +23,7 @@ struct KeyEntry {
 
 class Keys {
  public:
+  Keys() = default;
   explicit Keys(const Document& document) { add(document); }
 
   void add(const Document& document);

@@ -21,6 +21,7 @@ constexpr double kMostDecentring = 0.015;
 // 45 degrees.
 constexpr double kWide = 1.0;
 constexpr double kBarrel = -0.1;
+constexpr double kMostTerm = 2.0;  // of any fisheye that is worth a guess
 
 bool can_be(const char* lens, CameraCalibration camera, const std::vector<double>& D) {
   return set_distortion(lens, D, "", camera).ok() && check_lens(camera, "").ok();
@@ -43,6 +44,10 @@ LensGuess guess_lens(const CameraCalibration& left, const std::vector<double>& D
   const bool plumb_bob =
       p < kMostDecentring && can_be("plumb_bob", left, D_left) && can_be("plumb_bob", right, D_right);
   const bool fisheye = can_be("equidistant", left, D_left) && can_be("equidistant", right, D_right);
+  const auto usual = [](const std::vector<double>& D) {
+    return std::all_of(D.begin(), D.end(), [](double k) { return std::abs(k) < kMostTerm; });
+  };
+  if (!plumb_bob && !(usual(D_left) && usual(D_right))) return {"plumb_bob", ""};  // which is refused then
   const bool wide = std::min(half_field(left), half_field(right)) > kWide;
   if (!plumb_bob && fisheye && (wide || p > 3.0 * kMostDecentring)) {
     return {"equidistant", fmt::format("four distortion terms without a model's name taken for a fisheye's "

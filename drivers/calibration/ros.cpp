@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // ROS: camera_info of each camera as YAML, or the text that its calibrator prints (ost.txt).
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "drivers/calibration/camera_parts.h"
@@ -106,6 +108,22 @@ std::vector<Document> ost_cameras(std::string_view text, const std::string& path
   return cameras;
 }
 
+// The calibrator prints each camera once more when it writes its files.
+void leave_out_repeated(std::vector<Document>& cameras) {
+  const auto same = [](const Document& a, const Document& b) {
+    return a.word("camera_matrix") == b.word("camera_matrix") && a.word("projection") == b.word("projection");
+  };
+  for (std::size_t i = 1; i < cameras.size();) {
+    const auto end = cameras.begin() + static_cast<std::ptrdiff_t>(i);
+    const bool again = std::any_of(cameras.begin(), end, [&](const Document& one) { return same(one, *end); });
+    if (again) {
+      cameras.erase(end);
+    } else {
+      ++i;
+    }
+  }
+}
+
 // The keys of ost.txt by their names in YAML.
 Document as_camera_info(const Document& camera) {
   DocumentNode root = camera.root();
@@ -128,7 +146,7 @@ Result<StereoCalibration> read_ros(const CalibrationText& file, const Calibratio
                                    const OtherFile& other) {
   const Result<Document> second = read_other(other, other_camera_paths(file.path));
   if (!second) return second.error();
-  const bool swapped = is_right_camera(file.path);
+  const bool swapped = is_right_of(file.path, second->path());
   return read_pair(swapped ? *second : *file.document, swapped ? *file.document : *second, request);
 }
 
@@ -144,12 +162,13 @@ bool is_ost(const CalibrationText& file) {
 Result<StereoCalibration> read_ost(const CalibrationText& file, const CalibrationRequest& request,
                                    const OtherFile& other) {
   std::vector<Document> cameras = ost_cameras(file.text, file.path);
+  leave_out_repeated(cameras);
   if (cameras.size() == 1) {
     const Result<NamedText> second = other(other_camera_paths(file.path));
     if (!second) return second.error();
     std::vector<Document> more = ost_cameras(second->text, second->path);
     if (more.empty()) return Error{"calibration lacks a camera matrix", second->path, "copy it again"};
-    cameras.insert(is_right_camera(file.path) ? cameras.begin() : cameras.end(), more.front());
+    cameras.insert(is_right_of(file.path, second->path) ? cameras.begin() : cameras.end(), more.front());
   }
   if (cameras.size() != 2) {
     return Error{fmt::format("calibration is of {} cameras instead of 2", cameras.size()), file.path,

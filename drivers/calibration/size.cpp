@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/calibration/size.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -50,6 +51,35 @@ void scale(StereoCalibration& c, double by, int width, int height) {
 
 bool is_centred(const CameraCalibration& c) {
   return std::abs(c.cx_px / c.width - 0.5) < kOffCentre && std::abs(c.cy_px / c.height - 0.5) < kOffCentre;
+}
+
+// Both principal points off the middle the same way, in both coordinates: the size is not that of the numbers.
+bool is_of_another_size(const CameraCalibration& l, const CameraCalibration& r) {
+  constexpr double kFarOff = 0.2;
+  constexpr double kOff = 0.1;
+  const auto together = [](double a, double b, double least) {
+    return std::min(a, b) > least || std::max(a, b) < -least;
+  };
+  const double lx = l.cx_px / l.width - 0.5;
+  const double rx = r.cx_px / r.width - 0.5;
+  const double ly = l.cy_px / l.height - 0.5;
+  const double ry = r.cy_px / r.height - 0.5;
+  const bool same_way = (lx > 0.0) == (ly > 0.0);
+  return same_way && together(lx, rx, kFarOff) && together(ly, ry, kOff);
+}
+
+// Calibrators of cameras that deliver both images side by side keep the size of what they grabbed.
+void halve_width(StereoCalibration& c, const CalibrationRequest& request) {
+  constexpr double kMiddle = 0.2;
+  for (const CameraCalibration* camera : {&c.left, &c.right}) {
+    if (camera->width != 2 * request.width || camera->height != request.height || c.prescribed ||
+        std::abs(camera->cx_px / request.width - 0.5) > kMiddle) {
+      return;
+    }
+  }
+  c.notes.push_back(fmt::format("calibration is for {}x{}, both images side by side: taken for {}x{} each",
+                                c.left.width, c.left.height, request.width, request.height));
+  c.left.width = c.right.width = request.width;
 }
 
 Error other_size(const CameraCalibration& c, const std::string& where) {
@@ -116,6 +146,8 @@ Result<void> settle_size(StereoCalibration& c, const CalibrationRequest& request
         fmt::format("cameras have unequal sizes ({}x{} and {}x{})", l.width, l.height, c.right.width, c.right.height),
         request.path);
   }
+  halve_width(c, request);
+  if (is_of_another_size(c.left, c.right)) return other_size(c.left, request.path);
   if (request.width <= 0 || (l.width == request.width && l.height == request.height)) return {};
   const double by = static_cast<double>(request.width) / l.width;
   const double by_height = static_cast<double>(request.height) / l.height;

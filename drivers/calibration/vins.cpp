@@ -87,7 +87,7 @@ Result<StereoCalibration> read_vins(const CalibrationText& file, const Calibrati
     T_body_camera[side] = *T;
     const std::string key = fmt::format("cam{}_calib", side);
     const std::string name = file.document->word(key);
-    if (name.empty() || name.find('/') != std::string::npos || printable(name) != name) {
+    if (name.empty() || name.front() == '/' || name.find("..") != std::string::npos || printable(name) != name) {
       return Error{"calibration names no file of intrinsics", file.document->where(key),
                    "name the file beside this one that has them"};
     }
@@ -98,6 +98,7 @@ Result<StereoCalibration> read_vins(const CalibrationText& file, const Calibrati
     (side == 0 ? c.left : c.right) = *camera;
   }
   c.T_right_left = T_body_camera[1].inverse() * T_body_camera[0];
+  order_cameras(c);
   return finish_calibration(c, request);
 }
 

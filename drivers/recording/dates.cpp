@@ -95,10 +95,48 @@ std::optional<std::int64_t> take_offset_s(std::string_view& text) {
   return sign * (*h * 3600LL + m.value_or(0) * 60LL);
 }
 
+// "20210302T103717.123", "20180709_161251_100": date and time without separators of their own.
+std::optional<TimestampNs> take_compact(std::string_view& text) {
+  using namespace std::chrono;
+  std::string_view rest = text;
+  const auto y = take_number(rest, 4);
+  const auto m = y ? take_number(rest, 2) : std::nullopt;
+  const auto d = m ? take_number(rest, 2) : std::nullopt;
+  if (!d || *y < 1970 || *y > 2100 || rest.empty() ||
+      std::string_view("T_-").find(rest.front()) == std::string_view::npos)
+    return std::nullopt;
+  const year_month_day day{year{*y}, month{static_cast<unsigned>(*m)}, std::chrono::day{static_cast<unsigned>(*d)}};
+  if (!day.ok()) return std::nullopt;
+  rest.remove_prefix(1);
+  std::int64_t clock_s = 0;
+  for (const int most : {23, 59, 60}) {
+    const auto value = take_number(rest, 2);
+    if (!value || *value > most) return std::nullopt;
+    clock_s = 60 * clock_s + *value;
+  }
+  if (!rest.empty() && is_digit(rest.front())) return std::nullopt;
+  TimestampNs ns = 0;
+  const bool fraction = rest.size() > 1 && is_digit(rest[1]) && std::string_view("._-").find(rest.front()) < 3;
+  if (fraction) {
+    rest.remove_prefix(1);
+    ns = take_fraction_ns(rest);
+  }
+  text = rest;
+  return (sys_days{day}.time_since_epoch().count() * 86400LL + clock_s) * kSecond + ns;
+}
+
 }  // namespace
 
 std::optional<TimestampNs> take_date_time(std::string_view& text) {
   std::string_view rest = text;
+  // With the T alone: with other signs it may be a part of an image's name beside its time.
+  const bool iso = text.size() > 8 && text[8] == 'T';
+  if (const auto compact = iso ? take_compact(rest) : std::nullopt) {
+    const auto offset = take_offset_s(rest);
+    if (!offset) return std::nullopt;
+    text = rest;
+    return *compact - *offset * kSecond;
+  }
   const auto day_s = take_day(rest);
   if (!day_s || rest.empty()) return std::nullopt;
   if (std::string_view("T _,;\t").find(rest.front()) == std::string_view::npos) return std::nullopt;
@@ -118,6 +156,15 @@ std::optional<TimestampNs> find_date_time(std::string_view text) {
     if (!begins || !is_digit(text[at])) continue;
     std::string_view rest = text.substr(at);
     if (const auto date = take_date_time(rest)) return date;
+  }
+  return std::nullopt;
+}
+
+std::optional<TimestampNs> find_compact_date(std::string_view text) {
+  for (std::size_t at = 0; at < text.size(); ++at) {
+    if (!is_digit(text[at]) || (at > 0 && is_digit(text[at - 1]))) continue;
+    std::string_view rest = text.substr(at);
+    if (const auto date = take_compact(rest)) return date;
   }
   return std::nullopt;
 }

@@ -77,6 +77,27 @@ std::optional<FolderPair> pair_of(const ImageFolder& left, const ImageFolder& ri
   return out.kind < 0 ? std::nullopt : std::optional(out);
 }
 
+// The only two folders of images, side by side, whose names differ in the cameras' numbers.
+std::optional<FolderPair> only_two(const std::vector<ImageFolder>& folders) {
+  if (folders.size() != 2 || folders[0].parts.size() != folders[1].parts.size()) return std::nullopt;
+  for (const bool first : {true, false}) {
+    const ImageFolder& left = folders[first ? 0 : 1];
+    const ImageFolder& right = folders[first ? 1 : 0];
+    FolderPair out{&left, &right, -1, {}, false};
+    bool other = false;
+    for (std::size_t i = 0; i < left.parts.size(); ++i) {
+      if (left.parts[i] == right.parts[i]) {
+        if (out.kind < 0) out.parent += (out.parent.empty() ? "" : "/") + left.parts[i];
+        continue;
+      }
+      other = other || out.kind >= 0 || is_number(left.parts[i]) || !differ_in_a_number(left.parts[i], right.parts[i]);
+      out.kind = kFirstNumberKind;
+    }
+    if (!other && out.kind >= 0) return out;
+  }
+  return std::nullopt;
+}
+
 bool same_names(const ImageList& a, const ImageList& b) {
   return std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(),
                     [](const RecordedImage& x, const RecordedImage& y) { return x.name == y.name; });
@@ -149,8 +170,14 @@ Result<std::optional<Layout>> find_two_folders(const std::string& path) {
     pairs.erase(std::remove_if(pairs.begin(), pairs.end(), [](const FolderPair& p) { return p.bare_number; }),
                 pairs.end());
   }
-  if (pairs.empty()) return std::optional<Layout>{};
   Layout layout;
+  if (pairs.empty()) {
+    auto pair = only_two(folders);
+    if (!pair) return std::optional<Layout>{};
+    layout.notes.push_back(fmt::format("{} taken for the left camera's, {} for the right one's", pair->name(),
+                                       FolderPair{pair->right, pair->left, 0, {}, false}.name()));
+    pairs.push_back(std::move(*pair));
+  }
   const auto best = choose(pairs, path, layout.notes);
   if (!best) return best.error();
   const fs::path parent = fs::path(path) / best->parent;

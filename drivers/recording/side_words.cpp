@@ -16,7 +16,15 @@ struct WordPair {
   const char* right;
   int kind;
 };
-constexpr std::array<WordPair, 2> kWords{{{"left", "right", kWordKind}, {"l", "r", kLetterKind}}};
+constexpr std::array<WordPair, 9> kWords{{{"left", "right", kWordKind},
+                                          {"l", "r", kLetterKind},
+                                          {"links", "rechts", kFirstOtherKind},
+                                          {"gauche", "droite", kFirstOtherKind + 1},
+                                          {"izquierda", "derecha", kFirstOtherKind + 2},
+                                          {"cam_b", "cam_c", kFirstOtherKind + 3},  // DepthAI's sockets
+                                          {"camb", "camc", kFirstOtherKind + 3},
+                                          {"cam_a", "cam_b", kFirstOtherKind + 4},
+                                          {"cama", "camb", kFirstOtherKind + 4}}};
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
@@ -120,6 +128,18 @@ std::optional<int> pair_kind(const std::string& left, const std::string& right) 
   return std::nullopt;
 }
 
+bool differ_in_a_number(const std::string& left, const std::string& right) {
+  const auto is_number = [](const SideReading& r) { return r.kind >= kFirstNumberKind && r.kind < kFirstOtherKind; };
+  const std::vector<SideReading> of_right = read_sides(right);
+  for (const SideReading& l : read_sides(left)) {
+    if (l.side != Side::left || !is_number(l)) continue;
+    for (const SideReading& r : of_right) {
+      if (r.side == Side::right && is_number(r) && r.kind >= l.kind && r.rest == l.rest) return true;
+    }
+  }
+  return false;
+}
+
 std::optional<std::string> without_side(const std::string& name, int kind, Side side) {
   for (const SideReading& reading : read_sides(name)) {
     if (reading.kind != kind || reading.side != side) continue;
@@ -141,6 +161,9 @@ std::optional<std::string> without_side(const std::string& name, int kind, Side 
 std::string kind_name(int kind) {
   if (kind == kWordKind) return "left and right";
   if (kind == kLetterKind) return "l and r";
+  for (const WordPair& words : kWords) {
+    if (words.kind == kind) return std::string(words.left) + " and " + words.right;
+  }
   const int low = kind - kFirstNumberKind;
   return std::to_string(low) + " and " + std::to_string(low + 1);
 }

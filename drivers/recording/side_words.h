@@ -21,6 +21,7 @@ struct SideReading {
 inline constexpr int kWordKind = 0;
 inline constexpr int kLetterKind = 1;
 inline constexpr int kFirstNumberKind = 2;
+inline constexpr int kFirstOtherKind = 200;  // words of other languages, and other makers' names
 
 // Every reading there is; none for a name without a side. Words are found anywhere ("imageLeft"), letters where
 // they stand alone ("cam_l", "imgL"), numbers of one or two digits ("cam0", "I1_000007", "image_02").
@@ -28,6 +29,9 @@ std::vector<SideReading> read_sides(const std::string& name);
 
 // The readings under which two names are those of a left and a right image: same kind, same rest.
 std::optional<int> pair_kind(const std::string& left, const std::string& right);
+
+// Names of cameras with a number each, whatever lies between them ("video0", "video2"), the lower one first.
+bool differ_in_a_number(const std::string& left, const std::string& right);
 
 // The name without the word for its side, as `kind` has it: what both images of a pair share; empty = it has no such
 // word.

@@ -3,6 +3,7 @@
 // stamps that do not rise.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,8 +21,11 @@ namespace cliquevo::drivers {
 Result<void> stamps_from_file(const std::string& path, ImageList& list, std::vector<std::string>& notes);
 
 // Stamps from the images' names, where what differs between them is a time: since 1970, or whole numbers that come at
-// an ordinary rate in ns, us or ms; a date with dashes. False (and no change) when the names are no times.
+// an ordinary rate in ns, us or ms; a date, with dashes or without. False (and no change) when the names are no times.
 bool stamps_from_names(ImageList& list, std::vector<std::string>& notes);
+
+// The median step of rising stamps, ns; 100 ms where there is none.
+std::int64_t period_of(const std::vector<TimestampNs>& stamps);
 
 // The times file in a folder (times.txt, timestamps.csv, ..., in any case); empty = none.
 std::string find_times(const std::string& folder);

@@ -14,6 +14,8 @@ namespace {
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+// Brackets are those of printed lists.
+bool is_between(char c) { return std::string_view(" \t;\r[]()").find(c) != std::string_view::npos; }
 bool is_quote(char c) { return c == '"' || c == '\''; }
 
 bool all_digits(std::string_view text) { return !text.empty() && std::all_of(text.begin(), text.end(), is_digit); }
@@ -45,7 +47,7 @@ std::vector<std::string> part(std::string_view line, const Parting& parting) {
     if (quote != 0 ? c == quote : is_quote(c)) {
       quote = quote != 0 ? '\0' : c;
       begun = true;
-    } else if (quote == 0 && (c == ' ' || c == '\t' || c == ';' || c == '\r' || (c == ',' && parting.commas))) {
+    } else if (quote == 0 && (is_between(c) || (c == ',' && parting.commas))) {
       end_word();
     } else {
       word += c;

@@ -82,6 +82,12 @@ TEST(layouts, folders_that_differ_in_what_tells_left_from_right) {
            {"device_0/sensor_0/Infrared_1/image/data/{:04}.png", "device_0/sensor_0/Infrared_2/image/data/{:04}.png"},
            {"left/left_{:04}.png", "right/right_{:04}.png"},
            {"left/frame{:04}_left.png", "right/frame{:04}_right.png"},
+           {"links/{:04}.png", "rechts/{:04}.png"},
+           {"Kamera_Links/{:04}.png", "Kamera_Rechts/{:04}.png"},
+           {"CAM_B/{:04}.png", "CAM_C/{:04}.png"},
+           {"camA/{:04}.png", "camB/{:04}.png"},
+           {"video0/{:04}.png", "video2/{:04}.png"},
+           {"rig/camera_1/{:04}.png", "rig/camera_4/{:04}.png"},
        }) {
     expect_pairs(made(names), 3, names.left);
   }
@@ -150,9 +156,16 @@ TEST(layouts, several_recordings_are_not_guessed_among) {
   test::expect_open_error(dir, {"several recordings", "monday, tuesday"});
 }
 
+TEST(layouts, of_three_sockets_the_stereo_cameras_are_taken) {
+  const std::string dir = made({"CAM_B/{:04}.png", "CAM_C/{:04}.png"});
+  for (int i = 0; i < 3; ++i) write_image(fmt::format("{}/CAM_A/{:04}.png", dir, i), 64, 48, 50 + i);
+  expect_pairs(dir, 3, "CAM_A, CAM_B, CAM_C");
+}
+
 TEST(layouts, numbered_runs_and_frames_of_one_camera_are_no_pair) {
-  for (const Names& names :
-       std::vector<Names>{{"run1/{:04}.png", "run2/{:04}.png"}, {"seq_00/{:04}.png", "seq_01/{:04}.png"}}) {
+  for (const Names& names : std::vector<Names>{{"run1/{:04}.png", "run2/{:04}.png"},
+                                               {"seq_00/{:04}.png", "seq_01/{:04}.png"},
+                                               {"run1/{:04}.png", "run3/{:04}.png"}}) {
     test::expect_open_error(made(names), {"no stereo recording", "images in"});
   }
   const std::string dir = test::scratch_dir();
