@@ -32,7 +32,11 @@ Result<std::unique_ptr<view::Feed>> open_feed(const ViewArguments& arguments, co
   if (!source) return source.error();
   auto pipeline = daemon::FramePipeline::make({config.stereo, config.odometry, config.rectify}, (*source)->info());
   if (!pipeline) return pipeline.error();
-  return view::make_pipeline_feed(std::move(*source), std::move(*pipeline));
+  // Where the configuration says how the camera sits, that; else what the source knows.
+  const daemon::Mounting& body = config.body;
+  const bool told = body.translation_m != Eigen::Vector3d::Zero() || body.roll_pitch_yaw_deg != Eigen::Vector3d::Zero();
+  const auto T_body_camera = told ? std::optional(config.T_body_camera) : (*source)->info().T_body_camera;
+  return view::make_pipeline_feed(std::move(*source), std::move(*pipeline), T_body_camera);
 }
 
 int run(ViewArguments& arguments) {

@@ -111,7 +111,7 @@ async function drawWorst() {
     const context = canvas.getContext("2d");
     context.drawImage(image, 0, 0, canvas.width, canvas.height);
     drawFeatures(context, unpackFeatures(features.buffer, 0, features.length), scale);
-    drawMovers(context, r.mv, scale);
+    drawMovers(context, r.mv, scale, canvas.width);
   }
 }
 
