@@ -134,7 +134,7 @@ export class PicturePanel {
     const size = p?.left ?? (this.model && p?.features.length ? this.model : null);
     if (!size) { this.note.textContent = this.record ? "no picture of this frame" : "waiting for frames"; return; }
     const missing = ["right", "disparity"].filter((k) => this.show[k] && p.left && !p[k] && this.wanted & parts[k]);
-    this.note.textContent = !p.left ? "no picture of this frame: features alone" : [p.pictured !== p.n ? `picture of ${p.n - p.pictured} frames before` : "", ...missing.map((k) => absent[k])].filter(Boolean).join(" · ");
+    this.note.textContent = !p.left ? "no picture of this frame: features alone" : [p.pictured !== p.n ? `picture of ${p.n - p.pictured === 1 ? "the frame" : `${p.n - p.pictured} frames`} before` : "", ...missing.map((k) => absent[k])].filter(Boolean).join(" · ");
     const colours = this.show.disparity ? this.colour() : null;
     const beside = this.show.right && p.right;
     const l = (this.layout = layout(box.width, box.height, size, beside, colours));
