@@ -143,7 +143,8 @@ FrameFacts FactsMaker::make(const daemon::FramePipeline& pipeline, const drivers
   const RigidTransform T_world_camera = T_body_camera_ * e.T_world_camera;
   facts.position_m2 = way_.add(e.status == vo::Status::valid, T_world_camera, e.covariance);
   if (pair.truth_T_world_camera) {
-    if (!T_first_world_) T_first_world_ = pair.truth_T_world_camera->inverse();
+    // They begin where the reference does.
+    if (!T_first_world_) T_first_world_ = e.T_world_camera * pair.truth_T_world_camera->inverse();
     facts.truth_m = (T_body_camera_ * (*T_first_world_ * *pair.truth_T_world_camera) * T_body_camera_.inverse()).t;
   }
   pipeline.list_features(features_);

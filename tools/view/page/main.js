@@ -26,7 +26,7 @@ try {
   $("scene").innerHTML = `<div class="note">no 3-D here: ${escape(error.message)}</div>`;
 }
 $("roles").innerHTML = roles.map((r) => `<span>${markIcon(r)}${r.name}</span>`).join("");
-$("scene-legend").innerHTML = '<span><i style="background:#ffb000"></i>way</span><span><i style="background:#e8eef4"></i>reference</span><span><i style="background:#cc79a7"></i>1σ</span><span id="up"></span><span>drag: turn · shift-drag: move · wheel: zoom</span>';
+$("scene-legend").innerHTML = '<span><i style="background:#ffb000"></i>way</span><span id="has-reference" hidden><i style="background:#e8eef4"></i>reference</span><span><i style="background:#cc79a7"></i>1σ</span><span id="up"></span><span>drag: turn · shift-drag: move · wheel: zoom</span>';
 
 const link = new Link(`ws://${location.host}/live`);
 Object.assign(view, { scene, seek });
@@ -50,6 +50,7 @@ function start(hello) {
   document.title = `${hello.source} - cliquevo view`;
   $("verdicts").innerHTML = hello.verdicts.map((name, k) => (k === 0 ? "" : `<span><i style="background:${verdictColours[k]}"></i>${escape(name)}</span>`)).join("");
   picture.clear();
+  $("has-reference").hidden = true;
   $("show-mask").disabled = true;
 }
 
@@ -68,6 +69,7 @@ function showUp() {
 function take({ first, records: added }) {
   const fresh = records.add(first, added);
   if (fresh.length === 0) return;
+  if (fresh[0].tr || fresh.at(-1).tr) $("has-reference").hidden = false;
   scene?.add(fresh);
   stale = true;
   if (view.at < 0) seek(records.first, true);
