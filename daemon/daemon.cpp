@@ -127,7 +127,8 @@ Result<bool> Daemon::open() {
   if (!rig) return rig.error();
   if (!*rig) return false;
   rig_ = std::move(*rig);
-  auto output = Output::make(std::move(**publisher), config_, rig_->stereo.model(), options_.trajectory);
+  auto output =
+      Output::make(std::move(**publisher), config_, rig_->stereo.model(), rig_->odometry.mask(), options_.trajectory);
   if (!output) return output.error();
   output_ = std::move(*output);
   return true;

@@ -8,11 +8,11 @@
 namespace cliquevo::daemon {
 
 Result<std::unique_ptr<Output>> Output::make(Publisher publisher, const Config& config, const StereoModel& model,
-                                             const std::string& trajectory) {
+                                             ImageView<const std::uint8_t> mask, const std::string& trajectory) {
   const double images_rate_hz = config.lcm.images_channel.empty() ? 0.0 : config.lcm.images_rate_hz;
   std::unique_ptr<Output> out(
       new Output{std::move(publisher),
-                 {model.width, model.height, images_rate_hz},
+                 ImageTap({model.width, model.height, images_rate_hz, config.lcm.images_right, mask}),
                  {!config.lcm.features_channel.empty(), static_cast<std::size_t>(config.odometry.max_features)},
                  model,
                  std::nullopt,

@@ -17,9 +17,9 @@
 namespace cliquevo::daemon {
 
 struct Output {
-  // trajectory: the file to write; empty = none.
+  // mask: of the odometry's features, for pictures. trajectory: the file to write; empty = none.
   static Result<std::unique_ptr<Output>> make(Publisher publisher, const Config& config, const StereoModel& model,
-                                              const std::string& trajectory);
+                                              ImageView<const std::uint8_t> mask, const std::string& trajectory);
   void take(const PublishedFrame& frame);
 
   Publisher publisher;

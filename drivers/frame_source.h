@@ -35,6 +35,8 @@ struct SourceInfo {
   StereoCalibration calibration;
   Image<std::uint8_t> left_mask;  // raw size, 0 = the vehicle's own parts; empty = none
   Image<std::uint8_t> right_mask;
+  // How the rectified left camera sits on the vehicle (X forward, Y left, Z up), where the source knows it.
+  std::optional<RigidTransform> T_body_camera;
 };
 
 class FrameSource {

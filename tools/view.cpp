@@ -11,6 +11,8 @@
 #include "daemon/pipeline/command_line.h"
 #include "tools/commands.h"
 #include "tools/exit_code.h"
+#include "tools/reference.h"
+#include "tools/reference_source.h"
 #include "tools/source_argument.h"
 #include "tools/stop_on_signal.h"
 #include "tools/view/pipeline_feed.h"
@@ -23,16 +25,38 @@ struct ViewArguments {
   SourceArgument source;
   daemon::ConfigArgument config;
   std::string lcm_url;
+  std::string reference;
   view::ViewOptions options;
 };
 
+// The source with the reference asked for, or with the one that the recording brings along: that cannot fail the view.
+// A stamped one that lies there may be of another sensor, with other axes: it is taken when it is asked for.
+Result<std::unique_ptr<drivers::FrameSource>> open_referenced(const ViewArguments& arguments,
+                                                              const daemon::Config& config) {
+  auto source = open_source(arguments.source, config.source);
+  if (!source) return source.error();
+  const bool asked = !arguments.reference.empty();
+  if (!asked && is_simulator(arguments.source.text)) return source;
+  const std::string file = asked ? arguments.reference : reference_beside(arguments.source.text);
+  if (file.empty()) return source;
+  auto reference = read_reference(file, &(*source)->info().calibration);
+  if (!reference && asked) return reference.error();
+  const bool may_be_turned = reference && reference->format == daemon::TrajectoryFormat::tum && !reference->of_body;
+  if (!reference || (may_be_turned && !asked)) return source;
+  return with_reference(std::move(*source), std::move(*reference));
+}
+
 Result<std::unique_ptr<view::Feed>> open_feed(const ViewArguments& arguments, const daemon::Config& config) {
   if (!arguments.lcm_url.empty()) return view::open_lcm_feed(arguments.lcm_url);
-  auto source = open_source(arguments.source, config.source);
+  auto source = open_referenced(arguments, config);
   if (!source) return source.error();
   auto pipeline = daemon::FramePipeline::make({config.stereo, config.odometry, config.rectify}, (*source)->info());
   if (!pipeline) return pipeline.error();
-  return view::make_pipeline_feed(std::move(*source), std::move(*pipeline));
+  // Where the configuration says how the camera sits, that; else what the source knows.
+  const daemon::Mounting& body = config.body;
+  const bool told = body.translation_m != Eigen::Vector3d::Zero() || body.roll_pitch_yaw_deg != Eigen::Vector3d::Zero();
+  const auto T_body_camera = told ? std::optional(config.T_body_camera) : (*source)->info().T_body_camera;
+  return view::make_pipeline_feed(std::move(*source), std::move(*pipeline), T_body_camera);
 }
 
 int run(ViewArguments& arguments) {
@@ -44,6 +68,9 @@ int run(ViewArguments& arguments) {
   if (arguments.source.text.empty()) {
     if (arguments.lcm_url.empty()) arguments.lcm_url = config.lcm.url;
     if (arguments.options.control_socket.empty()) arguments.options.control_socket = config.control.socket;
+    if (!arguments.reference.empty()) {
+      return report({"wrong usage", "cliquevo view", "--reference goes with SOURCE"}, kWrongUsage);
+    }
   } else if (auto usable = check_source(arguments.source); !usable) {
     return report(usable.error(), kWrongUsage);
   }
@@ -73,6 +100,12 @@ void add_view_command(CLI::App& app, int& exit_code, const std::string& version)
   daemon::add_config_options(*command, arguments->config, "Configuration (cliquevo config sample prints every key)");
   add_calibration_options(*command, arguments->source);
   add_recording_options(*command, arguments->source);
+  command
+      ->add_option(
+          "--reference", arguments->reference,
+          "Trajectory to draw beside the way: of the left camera (KITTI, TUM), or EuRoC's or KITTI-360's ground "
+          "truth (default: poses.txt and the like in the recording)")
+      ->type_name("FILE");
   auto& server = arguments->options.server;
   command->add_option("--port", server.port, "Port of the page, 0 = any that is free")
       ->capture_default_str()

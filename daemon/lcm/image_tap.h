@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "core/base/image.h"
 #include "core/base/time.h"
@@ -16,18 +17,32 @@ struct TappedImages {
   TimestampNs stamp_ns = 0;
   Image<std::uint8_t> left;        // rectified
   Image<std::uint16_t> disparity;  // px * 16; 0 = unknown, or not above 0
+  Image<std::uint8_t> right;       // rectified; empty where it was not asked for
+  // Of the left image, zlib's format, a byte a pixel, 0 = no features there; empty = none are left out. The same in
+  // every picture.
+  std::vector<std::uint8_t> zipped_mask;
+};
+
+struct ImageTapOptions {
+  int width = 0;
+  int height = 0;
+  double rate_hz = 0.0;                     // pictures a second at most, of the frames' own time; 0 = none ever
+  bool right = false;                       // the right image, too
+  ImageView<const std::uint8_t> mask = {};  // is copied
 };
 
 class ImageTap {
  public:
-  // At most rate_hz pictures a second of the frames' own time; 0 = none ever. Takes all its memory here.
-  ImageTap(int width, int height, double rate_hz);
+  // Takes all its memory here.
+  explicit ImageTap(const ImageTapOptions& options);
 
   // Any thread: another rate, more than 0. Nothing happens where there was none to begin with.
   void set_rate(double rate_hz);
 
   // Odometry thread: copies when a picture is due and the last one has been taken. No allocation, no lock.
-  void offer(TimestampNs stamp_ns, ImageView<const std::uint8_t> left, ImageView<const std::int16_t> disparity);
+  // All of the size that was told.
+  void offer(TimestampNs stamp_ns, ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+             ImageView<const std::int16_t> disparity);
 
   // Output thread: what was copied since, or nullptr; good until give_back().
   const TappedImages* take() const { return full_.load(std::memory_order_acquire) ? images_.get() : nullptr; }

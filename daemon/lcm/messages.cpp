@@ -273,23 +273,38 @@ void build_movers(const vo::Movers& movers, movers_t& out) {
 
 namespace {
 
-// size bytes of pixels, still to be written.
-std::uint8_t* begin_image(std::int64_t utime, int width, int height, int bytes_a_pixel, std::int32_t format,
-                          image_t& out) {
+// Room for the bytes of an image, still to be written.
+std::uint8_t* begin_image(std::int64_t utime, const ImageView<const std::uint8_t>& like, int bytes_a_pixel,
+                          std::size_t bytes, image_t& out) {
   out.utime = utime;
-  out.width = width;
-  out.height = height;
-  out.row_stride = width * bytes_a_pixel;
-  out.pixelformat = format;
-  out.size = out.row_stride * height;
-  out.data.resize(static_cast<std::size_t>(out.size));
-  out.nmetadata = 0;
+  out.width = like.width;
+  out.height = like.height;
+  out.row_stride = like.width * bytes_a_pixel;
+  out.pixelformat = image_t::PIXEL_FORMAT_GRAY;
+  out.size = static_cast<std::int32_t>(bytes);
+  out.data.resize(bytes);
   return out.data.data();
 }
 
-}  // namespace
+void put_grey(std::int64_t utime, const ImageView<const std::uint8_t>& grey, image_t& out) {
+  const auto pixels = static_cast<std::size_t>(grey.width) * static_cast<std::size_t>(grey.height);
+  std::uint8_t* to = begin_image(utime, grey, 1, pixels, out);
+  for (int y = 0; y < grey.height; ++y) to = std::copy(grey.row(y), grey.row(y) + grey.width, to);
+}
 
-namespace {
+void put_disparity(const TappedImages& images, std::int64_t utime, image_t& out) {
+  const ImageView<const std::uint16_t> from = images.disparity.cview();
+  const auto pixels = static_cast<std::size_t>(from.width) * static_cast<std::size_t>(from.height);
+  std::uint8_t* to = begin_image(utime, images.left.cview(), 2, 2 * pixels, out);
+  out.pixelformat = image_t::PIXEL_FORMAT_LE_GRAY16;
+  for (int y = 0; y < from.height; ++y) {
+    const std::uint16_t* values = from.row(y);
+    for (int x = 0; x < from.width; ++x) {
+      *to++ = static_cast<std::uint8_t>(values[x] & 0xFF);
+      *to++ = static_cast<std::uint8_t>(values[x] >> 8);
+    }
+  }
+}
 
 // The rectified camera, as decimal text under the names of its fields.
 void put_camera(const StereoModel& m, image_t& out) {
@@ -315,25 +330,20 @@ void put_camera(const StereoModel& m, image_t& out) {
 
 void build_images(const TappedImages& images, const StereoModel& model, images_t& out) {
   const std::int64_t utime = floor_us(images.stamp_ns);
-  const int width = images.left.width();
-  const int height = images.left.height();
+  const std::vector<std::uint8_t>& mask = images.zipped_mask;
   out.utime = utime;
-  out.n_images = 2;
   out.image_types = {images_t::LEFT, images_t::DISPARITY};
-  out.images.resize(2);
-  std::uint8_t* left = begin_image(utime, width, height, 1, image_t::PIXEL_FORMAT_GRAY, out.images[0]);
-  std::uint8_t* disparity = begin_image(utime, width, height, 2, image_t::PIXEL_FORMAT_LE_GRAY16, out.images[1]);
-  put_camera(model, out.images[0]);
-  put_camera(model, out.images[1]);
-  for (int y = 0; y < height; ++y) {
-    const std::uint8_t* grey = images.left.cview().row(y);
-    left = std::copy(grey, grey + width, left);
-    const std::uint16_t* values = images.disparity.cview().row(y);
-    for (int x = 0; x < width; ++x) {
-      *disparity++ = static_cast<std::uint8_t>(values[x] & 0xFF);
-      *disparity++ = static_cast<std::uint8_t>(values[x] >> 8);
-    }
+  if (!images.right.empty()) out.image_types.push_back(images_t::RIGHT);
+  if (!mask.empty()) out.image_types.push_back(images_t::MASK_ZIPPED);
+  out.n_images = static_cast<std::int32_t>(out.image_types.size());
+  out.images.resize(out.image_types.size());
+  put_grey(utime, images.left.cview(), out.images[0]);
+  put_disparity(images, utime, out.images[1]);
+  if (!images.right.empty()) put_grey(utime, images.right.cview(), out.images[2]);
+  if (!mask.empty()) {
+    std::copy(mask.begin(), mask.end(), begin_image(utime, images.left.cview(), 1, mask.size(), out.images.back()));
   }
+  for (image_t& image : out.images) put_camera(model, image);
 }
 
 }  // namespace cliquevo::daemon

@@ -38,7 +38,7 @@ struct FrameMessages {
   odometry_t odometry{};
 };
 
-// Left image and disparity as VO_IMAGES sends them, with the camera they are of. Allocates the first time only.
+// The images as VO_IMAGES sends them, with the camera they are of. Allocates the first time only.
 void build_images(const TappedImages& images, const StereoModel& model, images_t& out);
 
 // What moves by itself as VO_MOVERS sends it; a thing with a number that is not finite is left out.

@@ -19,6 +19,7 @@ struct LcmConfig {
   std::string features_channel;
   std::string health_channel = "VO_HEALTH";
   double images_rate_hz = 2.0;
+  bool images_right = false;    // the right image, too
   std::string command_channel;  // received: see CommandReceiver
 };
 
@@ -39,7 +40,7 @@ inline constexpr LcmChannel kLcmChannels[] = {
     {"delta_body_channel", &LcmConfig::delta_body_channel, false,
      "the camera's motion as the body's, e.g. VO_DELTA_BODY; empty = not sent"},
     {"images_channel", &LcmConfig::images_channel, false,
-     "rectified left image and disparity, e.g. VO_IMAGES; empty = not sent"},
+     "rectified left image, disparity and mask, e.g. VO_IMAGES; empty = not sent"},
     {"movers_channel", &LcmConfig::movers_channel, false,
      "things that move by themselves, e.g. VO_MOVERS; empty = not sent"},
     {"features_channel", &LcmConfig::features_channel, false,

@@ -57,6 +57,7 @@ class PingPong : public FrameSource {
     out.height = info.height;
     out.rate_hz = info.rate_hz;
     out.calibration = info.calibration;
+    out.T_body_camera = info.T_body_camera;
     if (!info.left_mask.empty()) out.left_mask.copy_from(info.left_mask.view());
     if (!info.right_mask.empty()) out.right_mask.copy_from(info.right_mask.view());
     return out;

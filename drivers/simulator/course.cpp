@@ -125,6 +125,17 @@ Eigen::Matrix3d Course::sway(double time_s) const {
   return so3_exp(turn);
 }
 
+RigidTransform Course::T_body_camera() const {
+  RigidTransform T;
+  const double c = std::cos(pitch_rad_);
+  const double sn = std::sin(pitch_rad_);
+  T.R.col(2) = Eigen::Vector3d(c, 0.0, sn);
+  T.R.col(0) = Eigen::Vector3d(0.0, -1.0, 0.0);
+  T.R.col(1) = T.R.col(2).cross(T.R.col(0));
+  T.t = {kCameraForwardM, 0.5 * baseline_m_, camera_height_m_};
+  return T;
+}
+
 RigidTransform Course::T_world_camera(double frame) const {
   const double time_s = frame / rate_hz_;
   const double s = moves() ? step_m_ * frame : 0.0;
@@ -142,14 +153,7 @@ RigidTransform Course::T_world_camera(double frame) const {
     T_body_shaken.R =
         rotation_zyx(0.0, 0.0012 * std::sin(w / 0.83 + 2.0) + 0.0008 * std::sin(w / 0.37), 0.0012 * std::sin(w / 0.61));
   }
-  RigidTransform T_body_camera;
-  const double c = std::cos(pitch_rad_);
-  const double sn = std::sin(pitch_rad_);
-  T_body_camera.R.col(2) = Eigen::Vector3d(c, 0.0, sn);
-  T_body_camera.R.col(0) = Eigen::Vector3d(0.0, -1.0, 0.0);
-  T_body_camera.R.col(1) = T_body_camera.R.col(2).cross(T_body_camera.R.col(0));
-  T_body_camera.t = {kCameraForwardM, 0.5 * baseline_m_, camera_height_m_};
-  RigidTransform T = T_world_body_now * T_body_shaken * T_body_camera;
+  RigidTransform T = T_world_body_now * T_body_shaken * T_body_camera();
   if (kind_ == Kind::turn) {
     // About the left camera's centre and the vertical: 0.6 degrees a frame on average, never the same twice in a row.
     const double yaw = 2.0 * kPi / 180.0 * (0.3 * frame + 4.0 * std::sin(0.05 * frame));

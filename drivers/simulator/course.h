@@ -18,6 +18,8 @@ class Course {
 
   // Rectified left camera in the world. `frame` may be fractional: the camera moves during an exposure.
   RigidTransform T_world_camera(double frame) const;
+  // How it sits on the vehicle.
+  RigidTransform T_body_camera() const;
   // Level position of the vehicle after s metres.
   Eigen::Vector2d position(double s_m) const;
   double heading(double s_m) const;

@@ -48,6 +48,7 @@ class RenderedSimulator : public Simulator {
                                     options_.course, options_.camera == "clean" ? "" : options_.camera + " camera, ",
                                     options_.world_seed, options_.noise_seed);
     info_.calibration = simulated_calibration(options_);
+    info_.T_body_camera = course_.T_body_camera();
     T_first_world_ = course_.T_world_camera(0.0).inverse();
   }
 

@@ -49,8 +49,13 @@ struct Options {
   std::string source;
   std::string file;
   std::string only;
+  std::string beside;  // a command that runs beside, every other time
+  int rounds = 3;
+  double images_rate_hz = 5.0;
   bool strict = false;
 };
+
+constexpr double kMostBeside = 1.05;  // of the median latency with the command beside over that without
 
 // The spans of a frame's way, each from two stamps of its VO_STATUS.
 enum class Span : int { wait_stereo, stereo, wait_odometry, odometry, publish, total };
@@ -183,7 +188,7 @@ void print_row(const std::string& name, const json& p) {
              p["max_ms"].get<double>());
 }
 
-void write_config(const std::string& path, const Options& options, bool real_time) {
+void write_config(const std::string& path, const Options& options, bool real_time, bool watched) {
   const int priority = real_time ? 50 : 0;
   const std::string source =
       options.source.empty()
@@ -193,6 +198,11 @@ void write_config(const std::string& path, const Options& options, bool real_tim
       "source:\n  loop: pingpong\n  {}\nstereo: {{workers: {}}}\nrealtime: {{stereo_priority: {}, "
       "odometry_priority: {}, output_priority: {}}}\nlog: {{level: warn}}\n",
       source, options.stereo_workers, priority, priority, real_time ? 30 : 0);
+  if (!watched) return;
+  std::ofstream(path, std::ios::app) << fmt::format(
+      "lcm: {{images_channel: VO_IMAGES, images_rate_hz: {}, images_right: true, features_channel: VO_FEATURES, "
+      "movers_channel: VO_MOVERS}}\n",
+      options.images_rate_hz);
 }
 
 void print_result(const json& result) {
@@ -212,11 +222,16 @@ void print_result(const json& result) {
   std::fflush(stdout);
 }
 
-Result<json> run_once(const Options& options, bool loaded, bool real_time) {
+Result<json> run_once(const Options& options, bool loaded, bool real_time, bool watched = false) {
   const std::string folder = test::scratch_dir();
   const std::string config = folder + "/bench.yaml";
   const int priority = real_time ? 50 : 0;
-  write_config(config, options, real_time);
+  write_config(config, options, real_time, watched);
+  std::unique_ptr<test::Subprocess> beside;
+  if (watched) {
+    beside = std::make_unique<test::Subprocess>(std::vector<std::string>{"sh", "-c", "exec " + options.beside});
+    std::this_thread::sleep_for(std::chrono::seconds(8));  // a browser takes its time
+  }
   Listener listener;
   test::Subprocess daemon({test::binary("cliquevod"), "--config", config});
   const std::int64_t patience_ns = monotonic_ns() + 600'000'000'000;  // the first run renders
@@ -237,6 +252,13 @@ Result<json> run_once(const Options& options, bool loaded, bool real_time) {
   daemon.send(SIGTERM);
   const test::Finished ended = daemon.wait(20.0);
   if (ended.exit_code != 0) return Error{"the daemon ended badly", config, ended.err};
+  if (beside) {
+    beside->send(SIGTERM);
+    const test::Finished watcher = beside->wait(20.0);
+    if (watcher.exit_code != 0) {
+      return Error{"the command beside ended badly", options.beside, watcher.out + watcher.err};
+    }
+  }
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
   json spans;
   for (std::size_t i = 0; i < kSpanNames.size(); ++i) spans[kSpanNames[i]] = percentiles(listener.spans[i]);
@@ -258,6 +280,37 @@ Result<json> run_once(const Options& options, bool loaded, bool real_time) {
   return result;
 }
 
+// Without and with the command beside, in turns; true: it costs no more than it may.
+Result<bool> run_beside(const Options& options, json& results) {
+  std::array<std::vector<double>, 2> p50_ms;
+  std::array<std::vector<double>, 2> p99_ms;
+  bool clean = true;
+  for (int round = 0; round < options.rounds; ++round) {
+    for (const bool watched : {false, true}) {
+      fmt::print("{} the command beside: ", watched ? "with" : "without");
+      const auto result = run_once(options, false, true, watched);
+      if (!result) return result.error();
+      const json& total = result->at("spans").at("frame to pose");
+      p50_ms[watched ? 1 : 0].push_back(total["p50_ms"]);
+      p99_ms[watched ? 1 : 0].push_back(total["p99_ms"]);
+      clean = clean && result->at("dropped") == result->at("dropped_beside_stalls");
+      results.push_back(*result);
+      results.back()["beside"] = watched ? options.beside : "";
+    }
+  }
+  const auto median = [](std::vector<double> of) {
+    std::nth_element(of.begin(), of.begin() + static_cast<std::ptrdiff_t>(of.size() / 2), of.end());
+    return of[of.size() / 2];
+  };
+  const double ratio = median(p50_ms[1]) / median(p50_ms[0]);
+  fmt::print(
+      "frame to pose, medians of {} runs: 50 % {:.2f} ms without, {:.2f} ms with ({:+.1f} %); 99 % {:.2f} and {:.2f} "
+      "ms\n",
+      options.rounds, median(p50_ms[0]), median(p50_ms[1]), 100.0 * (ratio - 1.0), median(p99_ms[0]),
+      median(p99_ms[1]));
+  return clean && ratio <= kMostBeside;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -274,6 +327,13 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--only", options.only, "quiet or loaded: only at real-time priority, and only that")
       ->check(CLI::IsMember({"quiet", "loaded"}));
+  app.add_option("--beside", options.beside,
+                 "A command that runs beside every other run, and the daemon sends what the view shows then; quiet, at "
+                 "real-time priority; strictly: within 5 %")
+      ->type_name("COMMAND");
+  app.add_option("--rounds", options.rounds, "Runs with and without --beside")->check(CLI::Range(1, 1000));
+  app.add_option("--images-rate", options.images_rate_hz, "Pictures a second that the daemon sends with --beside")
+      ->check(CLI::Range(0.01, 1000.0));
   app.add_flag("--strict", options.strict,
                "Exit with 3 when a frame was dropped that the machine's stalls do not explain, or sent out of order");
   app.add_option("--json", options.file, "Write the results here as well");
@@ -283,8 +343,14 @@ int main(int argc, char** argv) {
   }
   json results = json::array();
   bool clean = true;
+  if (!options.beside.empty()) {
+    const auto result = run_beside(options, results);
+    if (!result) return tools::report(result.error()), tools::kBadInput;
+    clean = *result;
+  }
   for (const bool loaded : {false, true}) {
     for (const bool real_time : {false, true}) {
+      if (!options.beside.empty()) continue;
       if (!options.only.empty() && (!real_time || loaded != (options.only == "loaded"))) continue;
       const auto result = run_once(options, loaded, real_time);
       if (!result) return tools::report(result.error()), tools::kBadInput;

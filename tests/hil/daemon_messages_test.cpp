@@ -232,8 +232,9 @@ TEST(DaemonMessages, ImagesAreSentWhenAskedForAndAtTheirRate) {
     void on_images(const lcm::ReceiveBuffer*, const std::string&, const bot_core::images_t* m) { seen.push_back(*m); }
   } collector;
   lcm.subscribe("VO_IMAGES", &Collector::on_images, &collector)->setQueueCapacity(100);
-  const std::string config = small_course(30, 1.0, "none") + "lcm: {images_channel: VO_IMAGES, images_rate_hz: 10}\n";
-  test::Subprocess daemon({test::binary("cliquevod"), "--config", write_config(test::scratch_dir(), config)});
+  const char* asked = "lcm: {images_channel: VO_IMAGES, images_rate_hz: 10, images_right: true}\n";
+  const std::string config = write_config(test::scratch_dir(), small_course(30, 1.0, "none") + asked);
+  test::Subprocess daemon({test::binary("cliquevod"), "--config", config});
   for (int timeout_ms = 60'000; lcm.handleTimeout(timeout_ms) > 0; timeout_ms = 3000) {
   }
   EXPECT_EQ(daemon.wait().exit_code, 0);
@@ -241,14 +242,15 @@ TEST(DaemonMessages, ImagesAreSentWhenAskedForAndAtTheirRate) {
   ASSERT_GE(seen.size(), 2U);
   EXPECT_LE(seen.size(), 11U) << "a second of frames";
   const bot_core::images_t& images = seen.back();
-  ASSERT_EQ(images.n_images, 2);
-  EXPECT_EQ(images.image_types[0], bot_core::images_t::LEFT);
-  EXPECT_EQ(images.image_types[1], bot_core::images_t::DISPARITY);
+  using bot_core::images_t;
+  EXPECT_EQ(images.image_types, (std::vector<std::int16_t>{images_t::LEFT, images_t::DISPARITY, images_t::RIGHT}));
   const bot_core::image_t& disparity = images.images[1];
   ASSERT_EQ(disparity.width, 256);
   ASSERT_EQ(disparity.height, 192);
   ASSERT_EQ(disparity.data.size(), 256U * 192U * 2U);
   ASSERT_EQ(images.images[0].data.size(), 256U * 192U);
+  ASSERT_EQ(images.images[2].data.size(), 256U * 192U);
+  EXPECT_NE(images.images[2].data, images.images[0].data);
   std::size_t known = 0;
   for (std::size_t i = 0; i < disparity.data.size(); i += 2) {
     const int value = disparity.data[i] | disparity.data[i + 1] << 8;

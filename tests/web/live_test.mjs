@@ -4,15 +4,19 @@
 import fs from "node:fs";
 import net from "node:net";
 import path from "node:path";
-import { check, main, openPage, output, program, shot, start, startView, until, wait } from "./harness.mjs";
+import { check, main, openPage, output, program, run, shot, start, startView, until, wait } from "./harness.mjs";
 
 const url = "udpm://239.255.76.67:7667?ttl=0";
 const seconds = Number(process.env.CLIQUEVO_LIVE_SECONDS ?? 8);
 const size = (process.env.CLIQUEVO_LIVE_SIZE ?? "512x384").split("x");
 const config = path.join(output, "live.yaml"), socket = path.join(output, "control");
 
-fs.writeFileSync(config, `source: {type: simulator, loop: pingpong, simulator: {frames: 150, movers: 2, width: ${size[0]}, height: ${size[1]}}}
-lcm: {url: "${url}", images_channel: VO_IMAGES, images_rate_hz: 5, features_channel: VO_FEATURES, movers_channel: VO_MOVERS}
+// The lower right corner is the vehicle's own, as a mask says.
+const mask = path.join(output, "mask.pgm"), course = path.join(output, "live_course"), [width, height] = size.map(Number);
+fs.writeFileSync(mask, Buffer.concat([Buffer.from(`P5\n${width} ${height}\n255\n`), Buffer.from(Array.from({ length: width * height }, (_, i) => (i % width > 0.7 * width && i > 0.7 * width * height ? 0 : 255)))]));
+fs.writeFileSync(config, `source: {loop: pingpong, type: recording, recording: {path: ${course}, left_mask: ${mask}, rate_hz: 30}}
+body: {translation_m: [0.3, 0.06, 0.85], roll_pitch_yaw_deg: [0, 13, 0]}
+lcm: {url: "${url}", images_channel: VO_IMAGES, images_rate_hz: 5, images_right: true, features_channel: VO_FEATURES, movers_channel: VO_MOVERS}
 control: {socket: ${socket}}
 recording: {folder: ${path.join(output, "recordings")}}
 `);
@@ -36,6 +40,8 @@ function sleeper(port) {
 
 await main(async (browser) => {
   fs.mkdirSync(path.join(output, "recordings"), { recursive: true });
+  const made = await run(["simulate", "--out", course, "--frames", "150", "--movers", "2", "--width", size[0], "--height", size[1]]);
+  check("a course to drive", made.code === 0, made.err);
   let daemon = startDaemon();
   let { address, child } = await startView("--lcm", url, "--socket", socket);
   const port = Number(new URL(address).port);
@@ -47,6 +53,20 @@ await main(async (browser) => {
   check("metres are known", await page.evaluate(() => window.cliquevo.state.model?.baseline > 0.1));
   await shot(page, "live-1");
   check("values and bounds of checks are there", await page.evaluate(() => window.cliquevo.records.list.at(-1).ck.some((c) => c.length === 3)));
+
+  await page.locator("#show-right").click();
+  await until("the right image comes", () => page.evaluate(() => window.cliquevo.picture.picture?.right?.width > 0));
+  check("it stands beside or below the left one", await page.evaluate(() => window.cliquevo.picture.layout.right.x !== window.cliquevo.picture.layout.left.x || window.cliquevo.picture.layout.right.y !== window.cliquevo.picture.layout.left.y));
+  await until("the mask has come", () => page.evaluate(() => !document.querySelector("#show-mask").disabled));
+  const pixel = () => page.evaluate(() => { const p = window.cliquevo.picture, l = p.layout.left, k = devicePixelRatio, d = p.canvas.getContext("2d").getImageData((l.x + 0.95 * p.layout.w) * k, (l.y + 0.95 * p.layout.h) * k, 4, 4).data; let s = 0; for (let i = 0; i < d.length; i += 4) s += d[i]; return s / 16; });
+  await page.locator("#show-features").click();
+  await wait(400);
+  const unmasked = await pixel();
+  await page.locator("#show-mask").click();
+  await until("the mask darkens its corner", async () => (await pixel()) < 0.75 * unmasked);
+  await shot(page, "live-right-mask");
+  for (const name of ["mask", "features", "right"]) await page.locator(`#show-${name}`).click();
+  check("up is the vehicle's", await page.evaluate(() => window.cliquevo.state.level && /vehicle/.test(document.querySelector("#up").textContent)));
 
   const tabs = [page];
   for (let i = 1; i < 3; ++i) tabs.push(await openPage(browser, address));
@@ -89,5 +109,6 @@ await main(async (browser) => {
   await shot(page, "live-2");
   daemon.kill("SIGTERM");
   for (const p of tabs) check("no request beyond its own origin", p.strangers.length === 0, p.strangers);
+  fs.rmSync(course, { recursive: true, force: true });
   fs.rmSync(path.join(output, "recordings"), { recursive: true, force: true });
 });

@@ -19,6 +19,8 @@ await main(async (browser) => {
   await wait(800);
   await shot(page, "1-now");
 
+  const level = await page.evaluate(() => { const r = window.cliquevo.records.list.at(-1); return { rise: Math.abs(r.p[2]) / Math.hypot(...r.p), told: document.querySelector("#up").textContent }; });
+  check("the way over level ground is level, though the camera looks down", level.rise < 0.05 && /vehicle/.test(level.told), level);
   await page.keyboard.press("Home");
   check("Home goes to the first frame and pauses", (await at(page)) === 0 && !(await page.evaluate(() => window.cliquevo.playing)));
   await page.keyboard.press("ArrowRight");
@@ -68,6 +70,14 @@ await main(async (browser) => {
   await wait(300);
   await shot(page, "4-from-above");
   await page.locator("#behind").click();
+  const way = await page.evaluate(async () => {
+    const { ScenePanel } = await import("./where.js");
+    const scene = new ScenePanel(document.createElement("div"), null), p = [0, 0, 0];
+    for (let n = 0; n < 130000; ++n) scene.add([{ n, ep: 0, s: n === 777 ? 2 : 1, p: [n / 10, p[1], 0], pt: [n, 1, 2] }]);
+    const failed = Array.from({ length: scene.path.count }, (_, v) => v).filter((v) => Math.abs(scene.path.colours[3 * v] - scene.palette[2].r) < 1e-6).length;
+    return { way: scene.path.count, points: scene.points.count, cells: scene.cells.size, last: scene.path.places[3 * scene.path.count - 3], failed };
+  });
+  check("a long way and its points stay within their most", way.way <= 120000 && way.points === 60000 && way.cells === 60000 && Math.abs(way.last - 12999.9) < 0.01 && way.failed > 0, way);
 
   await page.keyboard.press("Home");
   await page.selectOption("#speed", "2");

@@ -77,8 +77,8 @@ std::optional<PageCommand> parse_command(std::string_view text) {
   if (!message.is_object()) return std::nullopt;
   const auto op = message.find("op");
   if (op == message.end() || !op->is_string()) return std::nullopt;
-  if (*op == "record-start") return PageCommand{PageCommand::What::record_start, 0, 0};
-  if (*op == "record-stop") return PageCommand{PageCommand::What::record_stop, 0, 0};
+  if (*op == "record-start") return PageCommand{PageCommand::What::record_start};
+  if (*op == "record-stop") return PageCommand{PageCommand::What::record_stop};
   if (*op != "frame") return std::nullopt;
   const auto number = message.find("n");
   const auto parts = message.find("parts");
@@ -86,7 +86,9 @@ std::optional<PageCommand> parse_command(std::string_view text) {
       !parts->is_number_unsigned()) {
     return std::nullopt;
   }
-  return PageCommand{PageCommand::What::frame, number->get<std::int64_t>(), parts->get<unsigned>() & 15U};
+  const auto have = message.find("have");
+  const std::int64_t had = have != message.end() && have->is_number_integer() ? have->get<std::int64_t>() : -1;
+  return PageCommand{PageCommand::What::frame, number->get<std::int64_t>(), parts->get<unsigned>() & 15U, had};
 }
 
 }  // namespace cliquevo::view

@@ -41,6 +41,7 @@ struct PageCommand {
   What what = What::frame;
   std::int64_t number = 0;  // of the frame, -1: the newest
   unsigned parts = 0;       // PartMask
+  std::int64_t have = -1;   // frame whose images the page has, -1: none
 };
 std::optional<PageCommand> parse_command(std::string_view text);
 inline constexpr std::size_t kMostCommandBytes = 1024;

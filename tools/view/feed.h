@@ -22,7 +22,8 @@ struct FeedState {
   std::string health_json;   // of a daemon; empty = none
   std::string check_text;    // the calibration's self-check in a sentence
   std::string view_text;
-  Bytes mask;  // 0 = no features there; empty = none
+  std::shared_ptr<const Bytes> mask;  // JPEG, 0 = no features there; nullptr = none
+  bool level = false;                 // it is known how the camera sits on the vehicle: up is up
   std::optional<StereoModel> model;
 };
 

@@ -7,6 +7,8 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <utility>
+#include <zlib.h>
 
 #include <cliquevo/features_t.hpp>
 #include <cliquevo/health_t.hpp>
@@ -31,7 +33,6 @@ constexpr std::size_t kMostPending = 16;
 constexpr std::size_t kPointsOfAFrame = 10;
 constexpr int kMostFeatures = 20'000;
 constexpr std::int64_t kMostPixels = 64'000'000;
-constexpr int kJpegQuality = 82;
 
 RigidTransform transform(const double (&t)[3], const double (&q)[4]) {
   RigidTransform out;
@@ -121,6 +122,13 @@ void take_checks(const features_t& m, FrameFacts& out) {
     out.checks[k].value = m.check_value[k];
     out.checks[k].bound = m.check_bound[k];
   }
+}
+
+// Whether the image's bytes are as many as its size says.
+bool holds(const image_t& image, int bytes_a_pixel) {
+  const std::int64_t row = static_cast<std::int64_t>(image.width) * bytes_a_pixel;
+  return image.width > 0 && image.height > 0 && row * image.height <= kMostPixels && image.row_stride >= row &&
+         static_cast<std::int64_t>(image.row_stride) * image.height <= static_cast<std::int64_t>(image.data.size());
 }
 
 class LcmFeed final : public Feed {
@@ -226,6 +234,7 @@ class LcmFeed final : public Feed {
       facts.position_m2 = way_.add(s.status == status_t::VALID, T_world_camera, covariance);
     }
     FrameParts parts;
+    if (early_pictures_.first == utime) parts = std::exchange(early_pictures_, {}).second;
     if (frame.movers) {
       for (const mover_t& m : frame.movers->movers) facts.movers.push_back(fact_of(m));
     }
@@ -243,35 +252,54 @@ class LcmFeed final : public Feed {
     if (count_++ % 3 == 0 && facts.status == status_t::VALID) {
       facts.points = some_points(features, kPointsOfAFrame, model, facts.T_world_body * T_body_camera_);
     }
+    const RigidTransform untold = forward_left_up();
     const std::lock_guard lock(mutex_);
     state_.model = model;
+    state_.level = (T_body_camera_.R - untold.R).norm() > 1e-6 || T_body_camera_.t != untold.t;
   }
 
   void take_images(const images_t& m) {
     FrameParts parts;
     for (std::size_t i = 0; i < std::min(m.images.size(), m.image_types.size()); ++i) {
       const image_t& image = m.images[i];
-      const bool deep = m.image_types[i] == images_t::DISPARITY;
-      const std::int64_t row = static_cast<std::int64_t>(image.width) * (deep ? 2 : 1);
-      if (image.width <= 0 || image.height <= 0 || row * image.height > kMostPixels || image.row_stride < row ||
-          static_cast<std::int64_t>(image.row_stride) * image.height > static_cast<std::int64_t>(image.data.size())) {
+      const std::int16_t type = m.image_types[i];
+      if (type == images_t::MASK_ZIPPED) {
+        take_mask(image);
+      } else if (!holds(image, type == images_t::DISPARITY ? 2 : 1)) {
         continue;
-      }
-      if (m.image_types[i] == images_t::LEFT) {
-        parts.left = jpeg_.encode({image.data.data(), image.width, image.height, image.row_stride}, kJpegQuality);
-      } else if (deep && image.row_stride % 2 == 0) {
-        disparity_.resize(image.width, image.height);
-        for (int y = 0; y < image.height; ++y) {
-          std::memcpy(disparity_.view().row(y), image.data.data() + static_cast<std::size_t>(y) * image.row_stride,
-                      static_cast<std::size_t>(row));
-        }
-        DisparityPicture picture = encode_disparity(disparity_.cview());
-        parts.disparity = std::move(picture.png);
-        parts.disparity_step_px = picture.step_px;
+      } else if (type == images_t::LEFT || type == images_t::RIGHT) {
+        Bytes& part = type == images_t::LEFT ? parts.left : parts.right;
+        part = jpeg_.encode({image.data.data(), image.width, image.height, image.row_stride}, kJpegQuality);
+      } else if (type == images_t::DISPARITY && image.row_stride % 2 == 0) {
+        take_disparity(image, parts);
       }
     }
     commit_before(m.utime + 1);
-    store_->add_pictures(m.utime, parts);
+    if (!store_->add_pictures(m.utime, parts)) early_pictures_ = {m.utime, std::move(parts)};
+  }
+
+  void take_disparity(const image_t& image, FrameParts& parts) {
+    disparity_.resize(image.width, image.height);
+    for (int y = 0; y < image.height; ++y) {
+      std::memcpy(disparity_.view().row(y), image.data.data() + static_cast<std::size_t>(y) * image.row_stride,
+                  2 * static_cast<std::size_t>(image.width));
+    }
+    DisparityPicture picture = encode_disparity(disparity_.cview());
+    parts.disparity = std::move(picture.png);
+    parts.disparity_step_px = picture.step_px;
+  }
+
+  // It comes with every picture and hardly ever changes.
+  void take_mask(const image_t& image) {
+    if (image.data == zipped_mask_ || image.width <= 0 || image.height <= 0) return;
+    if (static_cast<std::int64_t>(image.width) * image.height > kMostPixels) return;
+    zipped_mask_ = image.data;
+    std::vector<std::uint8_t> rows(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height));
+    uLongf size = rows.size();
+    if (uncompress(rows.data(), &size, image.data.data(), image.data.size()) != Z_OK || size != rows.size()) return;
+    auto jpeg = jpeg_.encode({rows.data(), image.width, image.height, image.width}, kMaskQuality);
+    const std::lock_guard lock(mutex_);
+    state_.mask = std::make_shared<const Bytes>(std::move(jpeg));
   }
 
   void take_health(const health_t& m) {
@@ -302,6 +330,8 @@ class LcmFeed final : public Feed {
   WayUncertainty way_;
   JpegEncoder jpeg_;
   Image<std::int16_t> disparity_;
+  std::vector<std::uint8_t> zipped_mask_;
+  std::pair<std::int64_t, FrameParts> early_pictures_;  // that came before their frame's other messages
   mutable std::mutex mutex_;
   FeedState state_;
 };

@@ -9,8 +9,8 @@ namespace {
 constexpr std::size_t kRecordsAtOnce = 400;
 }  // namespace
 
-PageSession::PageSession(beast::tcp_stream&& stream, const Store& store, const Telling& telling)
-    : stream_(std::move(stream)), store_(store), telling_(telling) {}
+PageSession::PageSession(beast::tcp_stream&& stream, const Store& store, const Telling& telling, const Told& told)
+    : stream_(std::move(stream)), store_(store), telling_(telling), told_(told) {}
 
 void PageSession::accept(const HttpRequest& request) {
   beast::get_lowest_layer(stream_).expires_never();
@@ -59,10 +59,10 @@ std::optional<std::string> PageSession::next_text() {
     greeted_ = true;
     return telling_.hello();
   }
-  std::string state = telling_.state();
-  if (state != told_state_) {
-    told_state_ = state;
-    return state;
+  for (const auto part : {&Told::state, &Told::mask}) {
+    if (told_.*part == nullptr || told_.*part == has_.*part) continue;
+    has_.*part = told_.*part;
+    return *(has_.*part);
   }
   const Store::Extent extent = store_.extent();
   if (next_record_ >= extent.end) return std::nullopt;
@@ -75,7 +75,8 @@ void PageSession::pump() {
   if (wanted_ && greeted_) {
     const PageCommand wanted = *wanted_;
     wanted_.reset();
-    return send(store_.frame_message(wanted.number < 0 ? store_.extent().end - 1 : wanted.number, wanted.parts), false);
+    const std::int64_t number = wanted.number < 0 ? store_.extent().end - 1 : wanted.number;
+    return send(store_.frame_message(number, wanted.parts, wanted.have), false);
   }
   if (auto text = next_text()) send(std::move(*text), true);
 }

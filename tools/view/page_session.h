@@ -24,9 +24,15 @@ namespace asio = boost::asio;
 using Tcp = asio::ip::tcp;
 using HttpRequest = http::request<http::empty_body>;
 
+// What all pages are told, made once for all of them.
+struct Told {
+  std::shared_ptr<const std::string> state;
+  std::shared_ptr<const std::string> mask;
+};
+
 class PageSession : public std::enable_shared_from_this<PageSession> {
  public:
-  PageSession(beast::tcp_stream&& stream, const Store& store, const Telling& telling);
+  PageSession(beast::tcp_stream&& stream, const Store& store, const Telling& telling, const Told& told);
   void accept(const HttpRequest& request);
   // Sends what is due, if nothing is on its way.
   void pump();
@@ -42,6 +48,7 @@ class PageSession : public std::enable_shared_from_this<PageSession> {
   beast::websocket::stream<beast::tcp_stream> stream_;
   const Store& store_;
   const Telling& telling_;
+  const Told& told_;
   beast::flat_buffer buffer_;
   std::string outgoing_;
   bool open_ = false;
@@ -49,7 +56,7 @@ class PageSession : public std::enable_shared_from_this<PageSession> {
   bool greeted_ = false;
   std::int64_t next_record_ = 0;
   std::optional<PageCommand> wanted_;  // the newest request wins
-  std::string told_state_;
+  Told has_;                           // of what all are told
 };
 
 }  // namespace cliquevo::view

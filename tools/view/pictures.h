@@ -12,6 +12,9 @@ namespace cliquevo::view {
 
 using Bytes = std::vector<unsigned char>;
 
+inline constexpr int kJpegQuality = 82;  // of the page's pictures
+inline constexpr int kMaskQuality = 95;
+
 // Keeps libjpeg's memory between pictures.
 class JpegEncoder {
  public:

@@ -9,7 +9,6 @@ namespace cliquevo::view {
 
 namespace {
 
-constexpr int kJpegQuality = 82;
 constexpr std::size_t kPointsOfAFrame = 10;
 
 MoverFact fact_of(const vo::Mover& m) {
@@ -28,7 +27,7 @@ MoverFact fact_of(const vo::Mover& m) {
   return out;
 }
 
-FrameFacts facts_of(const daemon::FramePipeline& pipeline, std::int64_t index) {
+FrameFacts facts_of(const daemon::FramePipeline& pipeline, std::int64_t index, const RigidTransform& T_body_camera) {
   const vo::Estimate& e = pipeline.estimate();
   const daemon::StageTimes& t = pipeline.times();
   FrameFacts out;
@@ -36,8 +35,7 @@ FrameFacts facts_of(const daemon::FramePipeline& pipeline, std::int64_t index) {
   out.stamp_us = e.stamp_ns / 1000;
   out.status = static_cast<int>(e.status);
   out.quality = e.quality;
-  const RigidTransform C = forward_left_up();
-  out.T_world_body = C * e.T_world_camera * C.inverse();
+  out.T_world_body = T_body_camera * e.T_world_camera * T_body_camera.inverse();
   out.step_sigma_m = std::sqrt(std::max(0.0, e.covariance.topLeftCorner<3, 3>().trace()));
   out.features = e.features;
   out.matches = e.matches;
@@ -67,12 +65,18 @@ FrameFacts facts_of(const daemon::FramePipeline& pipeline, std::int64_t index) {
 
 class PipelineFeed final : public Feed {
  public:
-  PipelineFeed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline)
-      : source_(std::move(source)), pipeline_(std::move(pipeline)) {
+  PipelineFeed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline,
+               const std::optional<RigidTransform>& T_body_camera)
+      : source_(std::move(source)),
+        pipeline_(std::move(pipeline)),
+        facts_(T_body_camera ? *T_body_camera : forward_left_up()) {
+    state_.level = T_body_camera.has_value();
     state_.frames = source_->info().frame_count;
     state_.text = "processing";
     state_.model = pipeline_.model();
-    if (!pipeline_.mask().empty()) state_.mask = jpeg_.encode(pipeline_.mask(), 90);
+    if (!pipeline_.mask().empty()) {
+      state_.mask = std::make_shared<const Bytes>(jpeg_.encode(pipeline_.mask(), kMaskQuality));
+    }
   }
 
   bool live() const override { return false; }
@@ -134,23 +138,25 @@ class PipelineFeed final : public Feed {
 }  // namespace
 
 FrameFacts FactsMaker::make(const daemon::FramePipeline& pipeline, const drivers::StereoPair& pair) {
-  FrameFacts facts = facts_of(pipeline, pair.index);
+  FrameFacts facts = facts_of(pipeline, pair.index, T_body_camera_);
   const vo::Estimate& e = pipeline.estimate();
-  const RigidTransform C = forward_left_up();
-  facts.position_m2 = way_.add(e.status == vo::Status::valid, C * e.T_world_camera, e.covariance);
+  const RigidTransform T_world_camera = T_body_camera_ * e.T_world_camera;
+  facts.position_m2 = way_.add(e.status == vo::Status::valid, T_world_camera, e.covariance);
   if (pair.truth_T_world_camera) {
-    if (!T_first_world_) T_first_world_ = pair.truth_T_world_camera->inverse();
-    facts.truth_m = (C * (*T_first_world_ * *pair.truth_T_world_camera)).t;
+    // They begin where the reference does.
+    if (!T_first_world_) T_first_world_ = e.T_world_camera * pair.truth_T_world_camera->inverse();
+    facts.truth_m = (T_body_camera_ * (*T_first_world_ * *pair.truth_T_world_camera) * T_body_camera_.inverse()).t;
   }
   pipeline.list_features(features_);
   if (count_++ % 3 == 0 && e.status == vo::Status::valid) {
-    facts.points = some_points(features_, kPointsOfAFrame, pipeline.model(), C * e.T_world_camera);
+    facts.points = some_points(features_, kPointsOfAFrame, pipeline.model(), T_world_camera);
   }
   return facts;
 }
 
-std::unique_ptr<Feed> make_pipeline_feed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline) {
-  return std::make_unique<PipelineFeed>(std::move(source), std::move(pipeline));
+std::unique_ptr<Feed> make_pipeline_feed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline,
+                                         const std::optional<RigidTransform>& T_body_camera) {
+  return std::make_unique<PipelineFeed>(std::move(source), std::move(pipeline), T_body_camera);
 }
 
 }  // namespace cliquevo::view

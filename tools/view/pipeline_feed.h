@@ -16,17 +16,22 @@ namespace cliquevo::view {
 // Facts of frames as they leave the pipeline, one after the other.
 class FactsMaker {
  public:
+  // T_body_camera: how the camera sits on the vehicle; places and axes are the vehicle's then.
+  explicit FactsMaker(const RigidTransform& T_body_camera = forward_left_up()) : T_body_camera_(T_body_camera) {}
   FrameFacts make(const daemon::FramePipeline& pipeline, const drivers::StereoPair& pair);
   // What became of that frame's features.
   const std::vector<vo::SeenFeature>& features() const { return features_; }
 
  private:
+  RigidTransform T_body_camera_;
   WayUncertainty way_;
   std::optional<RigidTransform> T_first_world_;
   std::vector<vo::SeenFeature> features_;
   std::int64_t count_ = 0;
 };
 
-std::unique_ptr<Feed> make_pipeline_feed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline);
+// T_body_camera: where it is known how the camera sits on the vehicle.
+std::unique_ptr<Feed> make_pipeline_feed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline,
+                                         const std::optional<RigidTransform>& T_body_camera);
 
 }  // namespace cliquevo::view

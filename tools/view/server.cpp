@@ -17,7 +17,8 @@ namespace cliquevo::view {
 namespace {
 
 constexpr auto kTick = std::chrono::milliseconds(30);
-constexpr auto kPatience = std::chrono::seconds(10);  // for a request to come in whole, and an answer to go out
+constexpr auto kTellAgain = std::chrono::milliseconds(150);  // the state is looked at so often
+constexpr auto kPatience = std::chrono::seconds(10);         // for a request to come in whole, and an answer to go out
 constexpr std::size_t kMostPages = 32;
 constexpr std::size_t kMostConnections = 96;
 constexpr std::uint32_t kMostHeadBytes = 8192;
@@ -82,6 +83,7 @@ class BeastServer final : public Server {
  private:
   void accept();
   void tick(const std::function<bool()>& stopped);
+  void look_again();
 
   asio::io_context io_{1};
   const Store& store_;
@@ -90,7 +92,9 @@ class BeastServer final : public Server {
   asio::steady_timer timer_{io_};
   asio::steady_timer pause_{io_};
   AccessRules rules_;
-  std::list<std::shared_ptr<PageSession>> pages_;
+  Told told_;
+  std::chrono::steady_clock::time_point told_at_;
+  std::list<std::shared_ptr<PageSession>> pages_;  // last: they look at the others
 };
 
 Connection::Connection(Tcp::socket&& socket, BeastServer& server) : stream_(std::move(socket)), server_(server) {
@@ -216,14 +220,24 @@ void BeastServer::accept() {
 
 bool BeastServer::start_page(beast::tcp_stream&& stream, const HttpRequest& request) {
   if (pages_.size() >= kMostPages) return false;
-  pages_.push_back(std::make_shared<PageSession>(std::move(stream), store_, telling_));
+  look_again();
+  pages_.push_back(std::make_shared<PageSession>(std::move(stream), store_, telling_, told_));
   pages_.back()->accept(request);
   return true;
+}
+
+// The same text stays the same object: pages that have it get nothing.
+void BeastServer::look_again() {
+  told_at_ = std::chrono::steady_clock::now();
+  std::string state = telling_.state();
+  if (!told_.state || *told_.state != state) told_.state = std::make_shared<const std::string>(std::move(state));
+  told_.mask = telling_.mask();
 }
 
 void BeastServer::tick(const std::function<bool()>& stopped) {
   if (stopped()) return io_.stop();
   pages_.remove_if([](const auto& page) { return page->open() ? false : page.use_count() == 1; });
+  if (!pages_.empty() && std::chrono::steady_clock::now() - told_at_ >= kTellAgain) look_again();
   for (const auto& page : pages_) page->pump();
   timer_.expires_after(kTick);
   timer_.async_wait([this, &stopped](beast::error_code error) {

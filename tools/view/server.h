@@ -22,8 +22,10 @@ struct ServerOptions {
 // What the server tells pages beside frames. Called on the server's thread; none may wait.
 struct Telling {
   std::function<std::string()> hello;  // JSON object, once a page
-  // JSON object, whenever its text has changed.
+  // JSON object; pages get it when its text has changed.
   std::function<std::string()> state;
+  // JSON object; pages get it when it is another one. nullptr: nothing to tell.
+  std::function<std::shared_ptr<const std::string>()> mask;
   // What /metrics answers, in Prometheus' text format.
   std::function<std::string()> metrics;
   // Does what was asked for; what comes of it is in the state.

@@ -119,7 +119,7 @@ std::size_t Store::last_with_picture(std::size_t at) const {
   return at;
 }
 
-std::string Store::frame_message(std::int64_t number, unsigned parts) const {
+std::string Store::frame_message(std::int64_t number, unsigned parts, std::int64_t have) const {
   std::string out(kHead, '\0');
   std::memcpy(out.data(), kMagic, sizeof kMagic);
   put(out, 4, static_cast<std::uint32_t>(number));
@@ -127,6 +127,7 @@ std::string Store::frame_message(std::int64_t number, unsigned parts) const {
   if (number < first_ || number >= first_ + static_cast<std::int64_t>(entries_.size())) return out;
   const auto at_number = static_cast<std::size_t>(number - first_);
   const std::size_t pictured = last_with_picture(at_number);
+  if (have == first_ + static_cast<std::int64_t>(pictured)) parts &= kFeatures;
   put(out, 24, entries_[pictured].disparity_step_px);
   put(out, 28, static_cast<std::uint32_t>(first_ + static_cast<std::int64_t>(pictured)));
   for (std::size_t k = 0; k < 4; ++k) {

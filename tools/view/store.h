@@ -52,7 +52,8 @@ class Store {
   // Records [from, ...) as JSON with commas between, `most` at most; `from` moves behind them.
   std::string records(std::int64_t& from, std::size_t most) const;
   // The message that the page takes for a frame's pictures (tools/view/page/frame.js); empty parts where they are gone.
-  std::string frame_message(std::int64_t number, unsigned parts) const;
+  // have: frame whose images the page has already: they are not sent again; -1: none.
+  std::string frame_message(std::int64_t number, unsigned parts, std::int64_t have = -1) const;
 
  private:
   struct Span {

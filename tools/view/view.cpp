@@ -72,15 +72,30 @@ std::string hello(const Feed& feed, const ViewOptions& options) {
   for (int s = 0; s <= static_cast<int>(vo::Status::weak); ++s) {
     verdicts.push_back(vo::status_name(static_cast<vo::Status>(s)));
   }
-  const Bytes mask = feed.state().mask;
   return text_of({{"op", "hello"},
                   {"source", feed.source()},
                   {"live", feed.live()},
                   {"version", options.version},
                   {"checks", checks},
-                  {"verdicts", verdicts},
-                  {"mask", mask.empty() ? json(nullptr) : json("data:image/jpeg;base64," + base64(mask))}});
+                  {"verdicts", verdicts}});
 }
+
+// The message of the mask, made anew when there is another one.
+class MaskTeller {
+ public:
+  std::shared_ptr<const std::string> message(const Feed& feed) {
+    auto mask = feed.state().mask;
+    if (mask == of_ || !mask) return message_;
+    of_ = std::move(mask);
+    message_ = std::make_shared<const std::string>(
+        text_of({{"op", "mask"}, {"image", "data:image/jpeg;base64," + base64(*of_)}}));
+    return message_;
+  }
+
+ private:
+  std::shared_ptr<const Bytes> of_;
+  std::shared_ptr<const std::string> message_;
+};
 
 std::string state(const Feed& feed, const Store& store, const RecordSwitch& recording) {
   const FeedState s = feed.state();
@@ -92,6 +107,7 @@ std::string state(const Feed& feed, const Store& store, const RecordSwitch& reco
               {"model", model_json(s.model)},
               {"check", s.check_text},
               {"view", s.view_text},
+              {"level", s.level},
               {"lost_pictures", store.extent().lost_pictures},
               {"may_record", recording.allowed()},
               {"answer", recording.answer()}};
@@ -119,6 +135,8 @@ Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
   Telling telling;
   telling.hello = [&] { return hello(*feed, options); };
   telling.state = [&] { return state(*feed, **store, recording); };
+  MaskTeller mask;
+  telling.mask = [&] { return mask.message(*feed); };
   telling.metrics = [&] { return metrics_text(feed->state(), options.version); };
   telling.command = [&](PageCommand::What what) { recording.turn(what == PageCommand::What::record_start); };
   auto server = Server::open(options.server, **store, std::move(telling));

@@ -14,6 +14,7 @@ void add_lcm_keys(LcmConfig& lcm, KeyTable& t) {
   }
   t.number("images_rate_hz", lcm.images_rate_hz, "Hz", between(0.01, 1000), "so many pictures a second at most")
       .reloadable = true;
+  t.flag("images_right", lcm.images_right, "with each the rectified right image, behind the other two");
   t.group(
       "Commands by message: whoever can send to the group can then reset the pose and fill the disk with recordings. "
       "With ttl=0 that is every program and user of this machine, with more every machine that is reached. The control "

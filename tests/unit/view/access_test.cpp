@@ -66,6 +66,9 @@ TEST(Access, CommandsAreFewAndWholeOnes) {
   ASSERT_TRUE(frame);
   EXPECT_EQ(frame->number, 12);
   EXPECT_EQ(frame->parts, 15U);
+  EXPECT_EQ(frame->have, -1);
+  EXPECT_EQ(parse_command(R"({"op":"frame","n":12,"parts":1,"have":9})")->have, 9);
+  EXPECT_EQ(parse_command(R"({"op":"frame","n":12,"parts":1,"have":"9"})")->have, -1);
   EXPECT_TRUE(parse_command(R"({"op":"record-start"})"));
   for (const char* text : {"", "{}", "[]", R"({"op":3})", R"({"op":"frame","n":1.5,"parts":1})",
                            R"({"op":"frame","n":1,"parts":-1})", R"({"op":"reset"})"}) {

@@ -86,5 +86,21 @@ TEST(Store, AFrameWithoutAPictureShowsTheOneBefore) {
   EXPECT_EQ(store.frame_message(0, kLeft).size(), 64U);
 }
 
+TEST(Store, APictureThatThePageHasIsNotSentAgain) {
+  auto made = Store::make(1 << 20, 100);
+  ASSERT_TRUE(made.ok());
+  Store& store = **made;
+  FrameParts parts;
+  parts.features = Bytes(28, 'f');
+  parts.left = Bytes(100, 'l');
+  store.add(frame(0), parts);
+  parts.left.clear();
+  store.add(frame(1), parts);
+  const std::string message = store.frame_message(1, kFeatures | kLeft, 0);
+  EXPECT_EQ(message.size(), 64U + 28) << "the features are another frame's";
+  EXPECT_EQ(number(message, 28), 0U);
+  EXPECT_EQ(store.frame_message(1, kFeatures | kLeft, 1).size(), 64U + 28 + 100);
+}
+
 }  // namespace
 }  // namespace cliquevo::view

@@ -11,25 +11,24 @@ export const roles = [
   { name: "corner", colour: "#f0e442", shape: "disc" },
 ];
 
-// Turbo, which looks even and stays apart: by polynomials (A. Mikhailov, Apache-2.0).
-function turbo(t) {
+// Plasma of matplotlib, by polynomials (M. Zucker, public domain): the brighter the nearer, also without colours.
+function plasma(t) {
   const c = (a) => Math.max(0, Math.min(255, Math.round(255 * a.reduceRight((s, k) => s * t + k, 0))));
   return [
-    c([0.13572138, 4.6153926, -42.66032258, 132.13108234, -152.94239396, 59.28637943]),
-    c([0.09140261, 2.19418839, 4.84296658, -14.18503333, 4.27729857, 2.82956604]),
-    c([0.1066733, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973]),
+    c([0.05873234392399702, 2.176514634195958, -2.689460476458034, 6.130348345893603, -11.10743619062271, 10.02306557647065, -3.658713842777788]),
+    c([0.02333670892565664, 0.2383834171260182, -7.455851135738909, 42.3461881477227, -82.66631109428045, 71.41361770095349, -22.93153465461149]),
+    c([0.5433401826748754, 0.7539604599784036, 3.110799939717086, -28.51885465332158, 60.13984767418263, -54.07218655560067, 18.19190778539828]),
   ];
 }
-export const rainbow = Array.from({ length: 256 }, (_, i) => turbo(i / 255));
+export const ramp = Array.from({ length: 256 }, (_, i) => plasma(i / 255));
 
-export function drawMark(context, shape, x, y, r) {
-  context.beginPath();
-  if (shape === "disc") context.arc(x, y, r, 0, 7);
+// Adds a mark to the path; those of shape "dot" are to be filled, the others stroked.
+export function addMark(context, shape, x, y, r) {
+  if (shape === "disc") { context.moveTo(x + r, y); context.arc(x, y, r, 0, 7); }
   else if (shape === "square") context.rect(x - r, y - r, 2 * r, 2 * r);
   else if (shape === "diamond") { context.moveTo(x, y - r * 1.4); context.lineTo(x + r * 1.4, y); context.lineTo(x, y + r * 1.4); context.lineTo(x - r * 1.4, y); context.closePath(); }
   else if (shape === "dot") context.rect(x - r / 2, y - r / 2, r, r);
   else { context.moveTo(x - r, y - r); context.lineTo(x + r, y + r); context.moveTo(x - r, y + r); context.lineTo(x + r, y - r); }
-  if (shape === "dot") context.fill(); else context.stroke();
 }
 
 export function markIcon(role) {

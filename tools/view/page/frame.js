@@ -2,6 +2,7 @@
 // A frame's pictures, as the server packs them (tools/view/store.cpp): a head of 64 bytes (magic, number, four sizes, step of the
 // disparity levels, number of the frame that the pictures are of), then features, left image, right image, disparity.
 export const parts = { features: 1, left: 2, right: 4, disparity: 8 };
+export const images = parts.left | parts.right | parts.disparity;
 
 export function unpack(buffer) {
   const head = new DataView(buffer);
@@ -30,8 +31,8 @@ export function unpackFeatures(buffer, at, size) {
 
 const bitmap = (blob) => (blob ? createImageBitmap(blob).catch(() => null) : null);
 
-// Pictures ready to be drawn.
+// Images ready to be drawn; the browser decodes them beside the page's thread.
 export async function decode(frame) {
   const [left, right, disparity] = await Promise.all([bitmap(frame.left), bitmap(frame.right), bitmap(frame.disparity)]);
-  return { n: frame.n, pictured: frame.pictured, step: frame.step, features: frame.features, left, right, disparity };
+  return { left, right, disparity };
 }

@@ -27,10 +27,11 @@ export class Link extends EventTarget {
   emit(name, detail) { this.dispatchEvent(new CustomEvent(name, { detail })); }
   get open() { return this.socket.readyState === WebSocket.OPEN; }
   get busy() { return this.requested !== null || !this.open; }
-  request(n, parts) {
+  // have: frame whose images are here already and need not be sent again; -1: none.
+  request(n, parts, have) {
     if (this.busy) return false;
     this.requested = n;
-    this.socket.send(JSON.stringify({ op: "frame", n, parts }));
+    this.socket.send(JSON.stringify({ op: "frame", n, parts, have }));
     return true;
   }
   command(op) { if (this.open) this.socket.send(JSON.stringify({ op })); }

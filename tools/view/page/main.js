@@ -16,6 +16,7 @@ const view = { at: -1, playing: true, follow: false, speed: 1, hello: null, stat
 window.cliquevo = view;  // for tests and the curious
 
 const picture = new PicturePanel($("picture"), $("no-picture"), $("pointed"));
+view.picture = picture;
 const charts = new Charts($("charts"), (n) => seek(n));
 let scene = null;
 try {
@@ -25,13 +26,15 @@ try {
   $("scene").innerHTML = `<div class="note">no 3-D here: ${escape(error.message)}</div>`;
 }
 $("roles").innerHTML = roles.map((r) => `<span>${markIcon(r)}${r.name}</span>`).join("");
-$("scene-legend").innerHTML = '<span><i style="background:#ffb000"></i>way, valid</span><span><i style="background:#e8eef4"></i>reference</span><span><i style="background:#cc79a7"></i>1σ</span><span>drag: turn · shift-drag: move · wheel: zoom</span>';
+$("scene-legend").innerHTML = '<span><i style="background:#ffb000"></i>way</span><span id="has-reference" hidden><i style="background:#e8eef4"></i>reference</span><span><i style="background:#cc79a7"></i>1σ</span><span id="up"></span><span>drag: turn · shift-drag: move · wheel: zoom</span>';
 
 const link = new Link(`ws://${location.host}/live`);
+Object.assign(view, { scene, seek });
 link.addEventListener("open", () => chip("connected", "good"));
 link.addEventListener("closed", () => chip("connecting again", "bad"));
 link.addEventListener("hello", ({ detail }) => start(detail));
-link.addEventListener("state", ({ detail }) => { view.state = detail; showHealth(); });
+link.addEventListener("state", ({ detail }) => { view.state = detail; showHealth(); showUp(); });
+link.addEventListener("mask", ({ detail }) => takeMask(detail.image));
 link.addEventListener("records", ({ detail }) => take(detail));
 link.addEventListener("frame", ({ detail }) => takeFrame(detail));
 
@@ -46,14 +49,27 @@ function start(hello) {
   $("feed").textContent = `${hello.live ? "live" : "recording"} · version ${hello.version}`;
   document.title = `${hello.source} - cliquevo view`;
   $("verdicts").innerHTML = hello.verdicts.map((name, k) => (k === 0 ? "" : `<span><i style="background:${verdictColours[k]}"></i>${escape(name)}</span>`)).join("");
-  picture.mask = null;
-  $("show-mask").disabled = !hello.mask;
-  if (hello.mask) { const image = new Image(); image.onload = () => { picture.mask = image; picture.draw(); }; image.src = hello.mask; }
+  picture.clear();
+  $("has-reference").hidden = true;
+  $("show-mask").disabled = true;
+}
+
+function takeMask(source) {
+  const image = new Image();
+  image.onload = () => { picture.mask = image; $("show-mask").disabled = false; picture.draw(); };
+  image.src = source;
+}
+
+// What "up" is: of the vehicle where it is known how the camera sits on it.
+function showUp() {
+  $("up").textContent = view.state.level ? "axes: the vehicle's" : "axes: the camera's at the start";
+  $("up").title = view.state.level ? "X forward, Y left, Z up, where the vehicle started" : "How the camera sits on the vehicle is not known: where it looks down, the way climbs. body.roll_pitch_yaw_deg of the configuration tells it.";
 }
 
 function take({ first, records: added }) {
   const fresh = records.add(first, added);
   if (fresh.length === 0) return;
+  if (fresh[0].tr || fresh.at(-1).tr) $("has-reference").hidden = false;
   scene?.add(fresh);
   stale = true;
   if (view.at < 0) seek(records.first, true);
@@ -62,21 +78,27 @@ function take({ first, records: added }) {
 
 // Requests go out one at a time: a page that is slow skips frames.
 function requestPicture() {
-  if (view.at < 0 || link.busy || view.shown === key()) return;
-  if (link.request(view.at, parts.features | parts.left | (picture.show.right ? parts.right : 0) | (picture.show.disparity ? parts.disparity : 0))) requested = key();
+  if (view.at < 0 || link.busy || decoding || view.shown === key()) return;
+  const wanted = parts.features | parts.left | (picture.show.right ? parts.right : 0) | (picture.show.disparity ? parts.disparity : 0);
+  if (link.request(view.at, wanted, picture.has(wanted))) requested = { key: key(), parts: wanted };
 }
 const key = () => `${view.at}/${picture.show.right}/${picture.show.disparity}`;
-let requested = "";
+let requested = null, decoding = false;
 
 async function takeFrame(buffer) {
   ++view.received;
-  const mine = requested;
+  const { key: shown, parts: wanted } = requested;
   const frame = unpack(buffer);
   if (!frame) return;
-  const decoded = await decode(frame);
-  view.shown = mine;
-  picture.set(decoded, records.get(frame.n), view.state.model);
+  const source = view.hello;
+  decoding = true;
+  const decoded = picture.has(wanted) === frame.pictured ? picture.images() : await decode(frame);
+  decoding = false;
+  if (source !== view.hello) return;  // of a view that has ended meanwhile
+  view.shown = shown;
+  picture.set({ ...frame, ...decoded }, wanted, records.get(frame.n), view.state.model);
   ++view.drawn;
+  requestPicture();
 }
 
 function seek(n, keep = false) {
@@ -92,8 +114,21 @@ function showFrame() {
   const r = records.get(view.at);
   if (!r) return;
   scene?.set(r);
-  charts.mark(r);
+  charts.mark(r, false);
   placeCursor();
+  textsDue = true;
+  if (!view.playing) showTexts(performance.now());
+  requestPicture();
+}
+
+// What is read rather than watched: while it plays, some times a second.
+let textsDue = false, textsAt = 0;
+function showTexts(now) {
+  const r = records.get(view.at);
+  if (!r) return;
+  textsDue = false;
+  textsAt = now;
+  charts.mark(r);
   $("why").querySelector(".scroll").innerHTML = whyHtml(r, view.hello.checks, view.hello.verdicts);
   const t = (r.t - records.list[0].t) / 1e6;
   $("position").textContent = `frame ${r.i}, ${t.toFixed(2)} s`;
@@ -101,7 +136,6 @@ function showFrame() {
   $("place").textContent = `${r.p[0].toFixed(2)} m forward, ${(-r.p[1]).toFixed(2)} m right, ${r.p[2].toFixed(2)} m up${off}`;
   $("play").textContent = view.playing ? "❚❚" : "▶";
   $("next-failed").disabled = records.failed.length === 0;
-  requestPicture();
 }
 
 // Where on the ribbon: of a recording all frames there will be, live what is kept.
@@ -109,15 +143,16 @@ const extent = () => ({ first: records.first, end: view.hello?.live ? records.en
 const cursor = document.createElement("div");
 cursor.style.cssText = "position:absolute;top:0;bottom:0;width:3px;margin-left:-1px;background:#fff;box-shadow:0 0 0 1px #000;pointer-events:none;left:0";
 $("ribbon").append(cursor);
+let ribbonWidth = $("ribbon").clientWidth;
 function placeCursor() {
   const e = extent();
-  cursor.style.transform = `translateX(${((view.at + 0.5 - e.first) / Math.max(1, e.end - e.first)) * $("ribbon").clientWidth}px)`;
+  cursor.style.transform = `translateX(${((view.at + 0.5 - e.first) / Math.max(1, e.end - e.first)) * ribbonWidth}px)`;
 }
 
-let stale = true, chartsAt = 0, ribbonAt = 0, healthAt = 0;
+let stale = true, chartsAt = 0, ribbonAt = 0;
 function refresh(now) {
   if (!view.hello) return;
-  if (stale && now - ribbonAt > 120) { ribbonAt = now; drawRibbon($("ribbon").querySelector("canvas"), records.list, extent()); placeCursor(); healthAt = 0; }
+  if (stale && now - ribbonAt > 120) { ribbonAt = now; drawRibbon($("ribbon").querySelector("canvas"), records.list, extent()); placeCursor(); }
   if (stale && now - chartsAt > (records.list.length > 6000 ? 2000 : 600) && records.list.length > 0) {
     chartsAt = now;
     stale = false;
@@ -163,6 +198,7 @@ function advance(now) {
 function tick(now) {
   advance(now);
   refresh(now);
+  if (textsDue && now - textsAt > 120) showTexts(now);
   requestPicture();
   requestAnimationFrame(tick);
 }
@@ -201,7 +237,7 @@ function seekTo(event) {
 }
 ribbon.addEventListener("pointerdown", (event) => { ribbon.setPointerCapture(event.pointerId); seekTo(event); });
 ribbon.addEventListener("pointermove", (event) => { if (event.buttons & 1) seekTo(event); });
-new ResizeObserver(() => { drawRibbon(ribbon.querySelector("canvas"), records.list, extent()); placeCursor(); }).observe(ribbon);
+new ResizeObserver(() => { ribbonWidth = ribbon.clientWidth; drawRibbon(ribbon.querySelector("canvas"), records.list, extent()); placeCursor(); }).observe(ribbon);
 
 const toggle = (name) => { const box = $(`show-${name}`); if (!box.disabled) box.click(); };
 const keys = { " ": play, ArrowLeft: () => step(-1), ArrowRight: () => step(1), PageUp: () => step(-30), PageDown: () => step(30), Home: () => seek(records.first), End: toEnd, n: nextFailed, f: () => toggle("features"), d: () => toggle("disparity"), r: () => toggle("right"), m: () => toggle("mask"), a: () => scene?.above(), b: () => scene?.behind() };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Now: the left image with what became of its features, disparity in colour, the right image beside it.
-import { drawMark, rainbow, roles } from "./colours.js";
+import { addMark, ramp, roles } from "./colours.js";
+import { images, parts } from "./frame.js";
 
 // Features as marks and lines from where they were; drawn in the image's own pixels times `scale`.
 export function drawFeatures(context, features, scale) {
@@ -10,18 +11,19 @@ export function drawFeatures(context, features, scale) {
     const role = roles[k];
     context.strokeStyle = context.fillStyle = role.colour;
     context.globalAlpha = k === 4 ? 0.6 : 1;
-    const mine = features.filter((f) => f.role === k);
-    if (k !== 4 && k !== 5) {
-      context.beginPath();
-      for (const f of mine) { context.moveTo(f.x * scale, f.y * scale); context.lineTo(f.fromX * scale, f.fromY * scale); }
-      context.stroke();
+    context.beginPath();  // one for all of a role: each costs
+    for (const f of features) {
+      if (f.role !== k) continue;
+      if (k !== 4 && k !== 5) { context.moveTo(f.x * scale, f.y * scale); context.lineTo(f.fromX * scale, f.fromY * scale); }
+      addMark(context, role.shape, f.x * scale, f.y * scale, r);
     }
-    for (const f of mine) drawMark(context, role.shape, f.x * scale, f.y * scale, r);
+    if (role.shape === "dot") context.fill(); else context.stroke();
   }
   context.globalAlpha = 1;
 }
 
-export function drawMovers(context, movers, scale) {
+// width: of the image as it is drawn; the text stays within.
+export function drawMovers(context, movers, scale, width) {
   context.font = "12px system-ui, sans-serif";
   for (const [id, ofVehicle, speed, distance, l, t, r, b] of movers ?? []) {
     const pad = 6;
@@ -31,7 +33,7 @@ export function drawMovers(context, movers, scale) {
     const text = ofVehicle ? `#${id} of the vehicle` : `#${id}  ${speed.toFixed(1)} m/s, ${distance.toFixed(1)} m away`;
     const w = context.measureText(text).width + 8;
     const y = t * scale - pad - 18 > 0 ? t * scale - pad - 18 : b * scale + pad;
-    const x = Math.max(0, Math.min(l * scale - pad, context.canvas.clientWidth - w || l * scale));
+    const x = Math.max(0, Math.min(l * scale - pad, width - w));
     context.fillStyle = "#000b";
     context.fillRect(x, y, w, 18);
     context.fillStyle = roles[3].colour;
@@ -39,12 +41,15 @@ export function drawMovers(context, movers, scale) {
   }
 }
 
-// Where things are, at what size: the largest at which all of it fits.
+const absent = { right: "no right image is sent (lcm.images_right)", disparity: "no disparity is sent" };
+
+// Where things are, at what size. Side by side rows are compared best: one below the other only where both get much larger so.
 function layout(width, height, image, beside, scaleBar) {
-  const columns = beside && width / height > image.width / image.height ? 2 : 1;
-  const rows = beside && columns === 1 ? 2 : 1;
   const room = width - (scaleBar ? 64 : 0);
-  const scale = Math.min(room / (columns * image.width + (columns - 1) * 6), height / (rows * image.height + (rows - 1) * 6));
+  const fit = (columns, rows) => Math.min(room / (columns * image.width + (columns - 1) * 6), height / (rows * image.height + (rows - 1) * 6));
+  const columns = beside && 1.5 * fit(2, 1) > fit(1, 2) ? 2 : 1;
+  const rows = beside && columns === 1 ? 2 : 1;
+  const scale = fit(columns, rows);
   const w = image.width * scale, h = image.height * scale;
   const x = (room - columns * w - (columns - 1) * 6) / 2, y = (height - rows * h - (rows - 1) * 6) / 2;
   return { scale, left: { x, y }, right: columns === 2 ? { x: x + w + 6, y } : { x, y: y + h + 6 }, w, h, columns };
@@ -62,16 +67,33 @@ export class PicturePanel {
     this.canvas.addEventListener("pointerleave", () => { this.pointed.textContent = ""; });
   }
 
-  set(picture, record, model) {
-    for (const k of ["left", "right", "disparity"]) {
-      if (this.picture?.[k] && this.picture[k] !== picture[k]) this.picture[k].close();
-    }
+  // wanted: which images were requested of it.
+  set(picture, wanted, record, model) {
+    if (this.picture?.disparity !== picture.disparity) this.coloured = null;
+    this.close(picture);
     this.picture = picture;
+    this.wanted = wanted;
     this.record = record;
     this.model = model;
-    this.coloured = null;
     this.draw();
   }
+
+  // Another source: nothing of this one is of use.
+  clear() {
+    this.close(null);
+    this.picture = this.record = this.coloured = this.mask = null;
+    this.draw();
+  }
+
+  close(next) {
+    for (const k of ["left", "right", "disparity"]) {
+      if (this.picture?.[k] && this.picture[k] !== next?.[k]) this.picture[k].close();
+    }
+  }
+
+  images() { const { left, right, disparity } = this.picture; return { left, right, disparity }; }
+  // The frame whose images are here, if those wanted are among them; else -1.
+  has(wanted) { return this.picture?.left && (wanted & images & ~this.wanted) === 0 ? this.picture.pictured : -1; }
 
   get farthest() { return 254 * (this.picture?.step ?? 0.25); }
 
@@ -89,7 +111,7 @@ export class PicturePanel {
     for (let i = 0; i < values.length; ++i) { values[i] = pixels.data[4 * i]; if (values[i] > most) most = values[i]; }
     const table = new Uint32Array(256);
     const top = Math.max(16, Math.min(255, most));
-    for (let v = 1; v < 256; ++v) { const [r, g, b] = rainbow[Math.min(255, Math.round(255 * v / top))]; table[v] = 0xff000000 | (b << 16) | (g << 8) | r; }
+    for (let v = 1; v < 256; ++v) { const [r, g, b] = ramp[Math.min(255, Math.round(255 * v / top))]; table[v] = 0xff000000 | (b << 16) | (g << 8) | r; }
     const out = new Uint32Array(pixels.data.buffer);
     for (let i = 0; i < values.length; ++i) out[i] = table[values[i]];
     context.putImageData(pixels, 0, 0);
@@ -111,7 +133,8 @@ export class PicturePanel {
     const p = this.picture;
     const size = p?.left ?? (this.model && p?.features.length ? this.model : null);
     if (!size) { this.note.textContent = this.record ? "no picture of this frame" : "waiting for frames"; return; }
-    this.note.textContent = !p.left ? "no picture of this frame: features alone" : p.pictured !== p.n ? `picture of ${p.n - p.pictured} frames before` : "";
+    const missing = ["right", "disparity"].filter((k) => this.show[k] && p.left && !p[k] && this.wanted & parts[k]);
+    this.note.textContent = !p.left ? "no picture of this frame: features alone" : [p.pictured !== p.n ? `picture of ${p.n - p.pictured === 1 ? "the frame" : `${p.n - p.pictured} frames`} before` : "", ...missing.map((k) => absent[k])].filter(Boolean).join(" · ");
     const colours = this.show.disparity ? this.colour() : null;
     const beside = this.show.right && p.right;
     const l = (this.layout = layout(box.width, box.height, size, beside, colours));
@@ -122,7 +145,7 @@ export class PicturePanel {
     if (p.left) context.drawImage(p.left, 0, 0, l.w, l.h);
     if (colours) { context.globalAlpha = 0.75; context.drawImage(this.levels, 0, 0, l.w, l.h); context.globalAlpha = 1; }
     if (this.show.mask && this.mask) this.drawMask(context, l);
-    if (this.show.features) { drawFeatures(context, p.features, l.scale); drawMovers(context, this.record?.mv, l.scale); }
+    if (this.show.features) { drawFeatures(context, p.features, l.scale); drawMovers(context, this.record?.mv, l.scale, l.w); }
     context.restore();
     if (beside) this.drawRight(context, l, p.right);
     if (colours) this.drawScale(context, box, colours);
@@ -148,12 +171,18 @@ export class PicturePanel {
       }
       context.restore();
     }
+    // The same rows in both, with their numbers.
     context.strokeStyle = "#ffffff66";
+    context.fillStyle = "#ffffffcc";
+    context.font = "10px system-ui, sans-serif";
     context.lineWidth = 1;
     context.beginPath();
     for (let k = 1; k < 12; ++k) {
-      const y = Math.round((k * l.h) / 12) + 0.5;
-      for (const at of [l.left, l.right]) { context.moveTo(at.x, at.y + y); context.lineTo(at.x + l.w, at.y + y); }
+      const row = Math.round((k * l.h) / l.scale / 12), y = Math.round(row * l.scale) + 0.5;
+      for (const at of [l.left, l.right]) {
+        context.moveTo(at.x, at.y + y); context.lineTo(at.x + l.w, at.y + y);
+        if (l.h > 200) context.fillText(row, at.x + 3, at.y + y - 2);
+      }
     }
     context.stroke();
   }
@@ -162,7 +191,7 @@ export class PicturePanel {
   drawScale(context, box, colours) {
     const x = box.width - 56, top = 24, height = box.height - 40;
     for (let k = 0; k < height; ++k) {
-      const [r, g, b] = rainbow[Math.round(255 * (1 - k / height))];
+      const [r, g, b] = ramp[Math.round(255 * (1 - k / height))];
       context.fillStyle = `rgb(${r},${g},${b})`;
       context.fillRect(x, top + k, 12, 1.5);
     }

@@ -62,7 +62,7 @@ function drawMap() {
   const marks = failedMarks(records);
   marks.push({ x: way[0][0], y: way[0][1], colour: "#35e0a1", shape: "ring" }, { x: way.at(-1)[0], y: way.at(-1)[1], colour: "#dce3ea", shape: "square" });
   map.set(paths, marks);
-  box.insertAdjacentHTML("afterend", `<div class="legend"><span><i style="background:#ffb000"></i>estimate</span>${paths.length > 1 ? '<span><i style="background:#e8eef4"></i>reference</span>' : ""}<span>ring: start, square: end${records.length ? ", crosses: failed frames" : ""}</span></div>`);
+  box.insertAdjacentHTML("afterend", `<div class="legend"><span><i style="background:#ffb000"></i>estimate</span>${paths.length > 1 ? '<span><i style="background:#e8eef4"></i>reference</span>' : ""}<span>ring: start, square: end${records.length ? ", crosses: failed frames" : ""}</span><span>axes: the camera's in its first frame</span></div>`);
 }
 
 function drawError() {
@@ -111,7 +111,7 @@ async function drawWorst() {
     const context = canvas.getContext("2d");
     context.drawImage(image, 0, 0, canvas.width, canvas.height);
     drawFeatures(context, unpackFeatures(features.buffer, 0, features.length), scale);
-    drawMovers(context, r.mv, scale);
+    drawMovers(context, r.mv, scale, canvas.width);
   }
 }
 
@@ -123,7 +123,7 @@ const number = (v, digits = 4) => (v === null || v === undefined ? "-" : typeof 
 function drawComparison() {
   for (const run of [...data.comparison.runs, data.comparison.in_all]) {
     if (run.missing_in) { panel(run.name, `<p class="warn">missing in ${run.missing_in}</p>`); continue; }
-    panel(run.name, table(run.figures.map((f) => ({ failed: f.beyond_gate, cells: [f.name, number(f.a), number(f.b), f.unit, f.times_worse === null ? "worse" : `× ${f.times_worse.toFixed(2)}`, f.beyond_gate ? "beyond the gate" : ""] })), ["figure", "A", "B", "", "worse by", ""]));
+    panel(run.name, table(run.figures.map((f) => ({ failed: f.beyond_gate, cells: [f.name, number(f.a, 2), number(f.b, 2), f.unit, f.times_worse === null ? "worse" : `× ${f.times_worse.toFixed(2)}`, f.beyond_gate ? "beyond the gate" : ""] })), ["figure", "A", "B", "", "worse by", ""]));
   }
 }
 

@@ -65,7 +65,7 @@ export class Charts {
         series: [{ label: "t", value: (_, v) => (v === null ? "" : v.toFixed(2) + " s") }, ...kind.series.map(([label, stroke]) => ({ label, stroke, width: 1.2, points: { show: false }, value: (_, v) => (v === null || v === undefined ? "" : +v.toPrecision(3) + "") }))],
       }, [[], ...kind.series.map(() => [])], box);
       const line = document.createElement("div");
-      line.style.cssText = "position:absolute;top:0;bottom:0;width:1px;background:#ffb000;pointer-events:none;display:none";
+      line.style.cssText = "position:absolute;top:0;bottom:0;width:1px;background:#ffb000;pointer-events:none;transform:translateX(-9999px)";
       plot.over.append(line);
       this.clicks(plot);
       return { kind, box, plot, line };
@@ -96,6 +96,7 @@ export class Charts {
   set(list, t0) {
     this.list = list;
     this.t0 = t0;
+    this.first = list[0]?.n ?? 0;
     const kinds = chartKinds.filter((k) => !k.when || k.when(list)).slice(0, 6);
     if (!this.made || kinds.length !== this.made.length) this.make(kinds);
     const t = list.map((r) => (r.t - t0) / 1e6);
@@ -107,14 +108,21 @@ export class Charts {
     this.mark(this.marked);
   }
 
-  mark(record) {
+  // The frame that is shown. Nothing here may ask for the layout: that would be made anew for each chart.
+  mark(record, withTexts = true) {
     this.marked = record;
+    const ratio = window.devicePixelRatio || 1;
     for (const c of this.charts) {
       const x = record && c.plot.data[0].length ? c.plot.valToPos((record.t - this.t0) / 1e6, "x") : -1;
-      c.line.style.display = x >= 0 && x <= c.plot.over.clientWidth ? "" : "none";
-      c.line.style.transform = `translateX(${x}px)`;
+      c.line.style.transform = `translateX(${x >= 0 && x <= c.plot.bbox.width / ratio ? x : -9999}px)`;
+      if (withTexts && record && c.plot.cursor.left < 0) c.plot.setLegend({ idx: this.indexOf(record) }, false);
     }
   }
 
-  resize() { for (const c of this.charts) c.plot.setSize({ width: Math.max(80, c.box.clientWidth), height: this.height }); }
+  indexOf(record) { return Math.max(0, Math.min(this.charts[0].plot.data[0].length - 1, record.n - this.first)); }
+
+  resize() {
+    for (const c of this.charts) c.plot.setSize({ width: Math.max(80, c.box.clientWidth), height: this.height });
+    this.mark(this.marked);
+  }
 }

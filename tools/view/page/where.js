@@ -4,8 +4,20 @@ import * as THREE from "./vendor/three.module.min.js";
 import { verdictColours } from "./colours.js";
 import { lengthText, sigmaOfPlace } from "./record.js";
 
-const cell = 0.3;         // m: of two points so near, one is kept
-const mostPoints = 60000;
+const cell = 0.3;            // m: of two points so near, one is kept
+const mostPoints = 60000;    // then the oldest go
+const mostWay = 120000;      // vertices: then the way is kept with half as many
+
+const softwarePeriod = 100;  // ms between pictures where the processor draws them
+
+// Whether there is a graphics card, or the processor has to do it.
+function isSoftware() {
+  const gl = document.createElement("canvas").getContext("webgl2");
+  const info = gl?.getExtension("WEBGL_debug_renderer_info");
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : "";
+  gl?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software|basic render/i.test(name);
+}
 
 // A buffer that grows, of three numbers and a colour a vertex.
 class Growing {
@@ -14,6 +26,7 @@ class Growing {
     object.frustumCulled = false;
     this.room = 1024;
     this.count = 0;
+    this.from = Infinity; this.to = 0;  // vertices that have changed
     this.places = new Float32Array(3 * this.room);
     this.colours = new Float32Array(3 * this.room);
     this.attach();
@@ -23,6 +36,7 @@ class Growing {
     this.object.geometry = new THREE.BufferGeometry();
     this.object.geometry.setAttribute("position", new THREE.BufferAttribute(this.places, 3));
     this.object.geometry.setAttribute("color", new THREE.BufferAttribute(this.colours, 3));
+    this.touched(0, this.count);
   }
   add(p, colour) {
     if (this.count === this.room) {
@@ -32,16 +46,43 @@ class Growing {
       this.places = places; this.colours = colours;
       this.attach();
     }
-    this.places.set(p, 3 * this.count);
-    this.colours.set([colour.r, colour.g, colour.b], 3 * this.count++);
-    this.dirty = true;
+    this.put(this.count++, p, colour);
   }
+  put(at, p, colour) {
+    this.places.set(p, 3 * at);
+    this.colours.set([colour.r, colour.g, colour.b], 3 * at);
+    this.touched(at, at + 1);
+  }
+  // What has changed goes to the graphics card, no more.
   flush() {
     const g = this.object.geometry;
     g.setDrawRange(0, this.count);
-    if (this.dirty) { g.attributes.position.needsUpdate = true; g.attributes.color.needsUpdate = true; this.dirty = false; }
+    if (this.from >= this.to) return;
+    for (const a of [g.attributes.position, g.attributes.color]) {
+      a.clearUpdateRanges();
+      a.addUpdateRange(3 * this.from, 3 * (this.to - this.from));
+      a.needsUpdate = true;
+    }
+    this.from = Infinity;
+    this.to = 0;
   }
-  clear() { this.count = 0; this.dirty = true; }
+  clear() { this.count = 0; this.touched(0, 0); }
+  touched(from, to) { this.from = Math.min(this.from, from); this.to = Math.max(this.to, to); }
+
+  // Of pieces a-b and b-c becomes a-c; breaks stay, and so does the colour that is not `usual`.
+  halve(usual) {
+    const from = this.places.slice(0, 3 * this.count), tint = this.colours.slice(0, 3 * this.count), n = this.count;
+    const at = (list, v) => list.subarray(3 * v, 3 * v + 3), same = (a, b) => a[0] === b[0] && a[1] === b[1] && a[2] === b[2];
+    const known = new Float32Array([usual.r, usual.g, usual.b]);
+    this.count = 0;
+    for (let v = 0; v < n; ) {
+      const joined = v + 3 < n && same(at(from, v + 1), at(from, v + 2)), last = joined ? v + 3 : v + 1;
+      const c = joined && same(at(tint, v), known) ? at(tint, v + 2) : at(tint, v);
+      for (const p of [v, last]) { this.places.set(at(from, p), 3 * this.count); this.colours.set(c, 3 * this.count++); }
+      v = last + 1;
+    }
+    this.touched(0, this.count);
+  }
 }
 
 // L of a symmetric positive matrix: takes the unit sphere to the 1-sigma ellipsoid.
@@ -58,8 +99,9 @@ export class ScenePanel {
     this.target = new THREE.Vector3();
     this.azimuth = Math.PI; this.elevation = 0.5; this.distance = 12;  // from behind
     this.follow = true;
-    this.cells = new Set();
-    this.renderer = new THREE.WebGLRenderer({ antialias: true });
+    this.cells = new Map();  // of a point's place: its number
+    this.software = isSoftware();
+    this.renderer = new THREE.WebGLRenderer({ antialias: !this.software });
     this.labels = document.createElement("canvas");
     this.labels.style.pointerEvents = "none";
     element.append(this.renderer.domElement, this.labels);
@@ -71,6 +113,8 @@ export class ScenePanel {
     this.path = new Growing(line(1));
     this.reference = new Growing(line(0.8));
     this.points = new Growing(new THREE.Points(new THREE.BufferGeometry(), new THREE.PointsMaterial({ vertexColors: true, size: 2, sizeAttenuation: false })));
+    this.path.object.renderOrder = 2;  // over the reference, where both are one
+    this.path.object.material.transparent = true;
     this.scene.add(this.points.object, this.reference.object, this.path.object, this.makeVehicle(), this.makeEllipsoid());
     this.palette = verdictColours.map((c) => new THREE.Color(c));
     this.palette[1] = new THREE.Color("#ffb000");
@@ -116,12 +160,12 @@ export class ScenePanel {
         this.elevation = Math.max(-1.5, Math.min(Math.PI / 2 - 1e-3, this.elevation + dy * 0.008));
       }
       last = e;
-      this.render();
+      this.render(true);
     });
     canvas.addEventListener("wheel", (e) => {
       e.preventDefault();
       this.distance = Math.max(0.5, Math.min(5000, this.distance * Math.exp(e.deltaY * 0.0012)));
-      this.render();
+      this.render(true);
     }, { passive: false });
   }
 
@@ -139,6 +183,7 @@ export class ScenePanel {
         this.path.add(b.p, colour); this.path.add(r.p, colour);
         if (b.tr && r.tr) { this.reference.add(b.tr, this.white); this.reference.add(r.tr, this.white); }
       }
+      if (this.path.count >= mostWay) { this.path.halve(this.palette[1]); this.reference.halve(this.white); }
       this.before = r;
       if (r.pt) this.addPoints(r);
     }
@@ -146,13 +191,20 @@ export class ScenePanel {
   }
 
   addPoints(r) {
-    for (let k = 0; k + 2 < r.pt.length && this.points.count < mostPoints; k += 3) {
+    for (let k = 0; k + 2 < r.pt.length; k += 3) {
       const [x, y, z] = r.pt.slice(k, k + 3);
       const key = `${Math.round(x / cell)},${Math.round(y / cell)},${Math.round(z / cell)}`;
       if (this.cells.has(key)) continue;
-      this.cells.add(key);
-      const t = Math.max(0, Math.min(1, (z - r.p[2] + 1.5) / 3));
-      this.points.add([x, y, z], { r: 0.25 + 0.3 * t, g: 0.42 + 0.35 * t, b: 0.5 - 0.15 * t });
+      const t = Math.max(0, Math.min(1, (z - r.p[2] + 1.5) / 3)), colour = { r: 0.25 + 0.3 * t, g: 0.42 + 0.35 * t, b: 0.5 - 0.15 * t };
+      let at = this.points.count;
+      if (at < mostPoints) {
+        this.points.add([x, y, z], colour);
+      } else {
+        const [oldest, number] = this.cells.entries().next().value;
+        this.cells.delete(oldest);
+        this.points.put((at = number), [x, y, z], colour);
+      }
+      this.cells.set(key, at);
     }
   }
 
@@ -181,7 +233,10 @@ export class ScenePanel {
   resize() {
     const { clientWidth: w, clientHeight: h } = this.element;
     if (w === 0 || h === 0) return;
-    this.renderer.setPixelRatio(window.devicePixelRatio || 1);
+    const ratio = this.software ? 1 : window.devicePixelRatio || 1, key = `${w},${h},${ratio}`;
+    if (key === this.sizeKey) return;
+    this.sizeKey = key;
+    this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(w, h, false);
     this.labels.width = w; this.labels.height = h;
     this.camera.aspect = w / h;
@@ -189,10 +244,20 @@ export class ScenePanel {
     this.render();
   }
 
-  render() {
+  // Soon. By the hand at once; while it plays, where the processor draws, more seldom: the image beside it comes first.
+  render(byHand = false) {
+    this.soonest = Math.min(this.soonest ?? Infinity, byHand || !this.software ? 0 : (this.drawnAt ?? 0) + softwarePeriod);
     if (this.waiting) return;
     this.waiting = true;
-    requestAnimationFrame(() => { this.waiting = false; this.draw(); });
+    requestAnimationFrame((now) => this.drawIfDue(now));
+  }
+
+  drawIfDue(now) {
+    if (now < this.soonest) { requestAnimationFrame((later) => this.drawIfDue(later)); return; }
+    this.waiting = false;
+    this.soonest = Infinity;
+    this.drawnAt = now;
+    this.draw();
   }
 
   draw() {
@@ -260,13 +325,18 @@ export class ScenePanel {
     context.fillStyle = "#93a1b0";
     const v = new THREE.Vector3();
     const { step, cx, cy } = this.grid;
+    // None over another one: far lines lie close together.
+    const taken = [];
     const label = (x, y, text) => {
       v.set(x, y, 0).project(this.camera);
       if (v.z > 1 || Math.abs(v.x) > 0.97 || Math.abs(v.y) > 0.95) return;
-      context.fillText(text, (v.x * 0.5 + 0.5) * w + 3, (-v.y * 0.5 + 0.5) * h - 3);
+      const at = [(v.x * 0.5 + 0.5) * w + 3, (-v.y * 0.5 + 0.5) * h - 3];
+      if (taken.some(([a, b]) => Math.abs(a - at[0]) < 40 && Math.abs(b - at[1]) < 13)) return;
+      taken.push(at);
+      context.fillText(text, ...at);
     };
     const number = (m) => (step < 1 ? m.toFixed(1) : m.toFixed(0));
-    for (let k = -8; k <= 8; ++k) {
+    for (const k of [0, 1, -1, 2, -2, 3, -3, 4, -4, 5, -5, 6, -6, 7, -7, 8, -8]) {
       label(cx + k * step, Math.abs(cy) > 6 * step ? cy : 0, `${number(cx + k * step)} m`);
       if (Math.abs(cy + k * step) > step / 2) label(Math.abs(cx) > 6 * step ? cx : 0, cy + k * step, `${number(-(cy + k * step))} m`);
     }
@@ -282,7 +352,7 @@ export class ScenePanel {
       v.set(...axis).transformDirection(this.camera.matrixWorldInverse);
       context.strokeStyle = context.fillStyle = colour;
       context.beginPath(); context.moveTo(x, y); context.lineTo(x + 26 * v.x, y - 26 * v.y); context.stroke();
-      if (Math.hypot(v.x, v.y) > 0.25) { const t = context.measureText(name).width; context.fillText(name, Math.min(x + 32 * v.x - t / 2, w - t - 2), y - 34 * v.y + 4); }
+      if (Math.hypot(v.x, v.y) > 0.4) { const t = context.measureText(name).width; context.fillText(name, Math.min(x + 32 * v.x - t / 2, w - t - 2), y - 34 * v.y + 4); }
     }
   }
 }

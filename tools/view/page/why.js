@@ -2,6 +2,11 @@
 // Why: each check's value beside its bound.
 import { verdictColours } from "./colours.js";
 
+// What a check's value is.
+const units = {
+  inliers: "needed / found", spread: "needed / found", positions: "× noise", disparities: "× noise", contradiction: "of the picture",
+  "running ground": "× noise", "hanging camera": "one / other", "found again": "needed / found", "rival motion": "of a rival", uncertainty: "σ / known",
+};
 const meanings = {
   inliers: "Too few features moved as one: a blank, blurred or dark picture, or a motion that was too fast.",
   spread: "The features lie nearly on a line: they do not fix the motion.",
@@ -11,7 +16,7 @@ const meanings = {
   "running ground": "Surfaces change from frame to frame, as water does.",
   "hanging camera": "One camera's picture moves, the other one stands: it repeats an image.",
   "found again": "Too few of the features of the frame before were found again.",
-  rival: "A second motion is as well supported: which of them is the world's?",
+  "rival motion": "A second motion is as well supported: which of them is the world's?",
   uncertainty: "By its own covariance the motion is hardly known.",
 };
 
@@ -28,7 +33,7 @@ export function whyHtml(record, checks, verdicts) {
     const [ratio, value, bound] = record.ck[k] ?? [0];
     const failed = (record.fm >> k) & 1, off = ratio === 0 && value === undefined;
     const share = Math.min(100, 50 * ratio);
-    return `<tr class="${failed ? "failed" : off ? "off" : ""}"><td>${escape(name)}</td><td>${number(value)}</td><td>${number(bound)}</td><td>${off ? "" : `<span class="meter${failed ? " failed" : ""}"><b style="width:${share}%"></b><u></u></span>`}</td></tr>`;
+    return `<tr class="${failed ? "failed" : off ? "off" : ""}"><td>${escape(name)}${off ? "" : ` <small>${units[name] ?? ""}</small>`}</td><td>${number(value)}</td><td>${number(bound)}</td><td>${off ? "" : `<span class="meter${failed ? " failed" : ""}"><b style="width:${share}%"></b><u></u></span>`}</td></tr>`;
   });
   const failed = checks.filter((_, k) => (record.fm >> k) & 1);
   const text = failed.map((name) => `<p class="explain">${escape(name)}: ${escape(meanings[name] ?? "")}</p>`).join("");
