@@ -311,7 +311,9 @@ Result<Solution> solve(const Board& board, std::vector<View> views, int width, i
       if (!failure) failure = solution.error();
       continue;
     }
-    solution->held_out = hold_out(board, *solution, options_of(model, options, false));
+    if (options.held_out || options.model == "auto") {
+      solution->held_out = hold_out(board, *solution, options_of(model, options, false));
+    }
     tried.push_back({model.name, solution->held_out});
     const double error = solution->held_out.reprojection_rms_px;
     if (best && !(error < kClearlyBetter * best->held_out.reprojection_rms_px)) continue;

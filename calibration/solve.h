@@ -14,6 +14,7 @@ namespace cliquevo::calibration {
 struct SolveOptions {
   std::string model = "auto";  // a lens model's name, or by the error on views held out
   bool square_pixels = false;
+  bool held_out = true;  // whether errors on views held out are measured; `auto` needs them
   std::function<void(const std::string& step)> progress;  // may be empty
 };
 

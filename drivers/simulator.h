@@ -64,6 +64,13 @@ struct SimulatorOptions {
   double right_gamma = -1.0;     // to the power of,
   double right_bias = -1.0;      // plus grey levels
   double sway_deg = -1.0;        // further turning of the camera about all axes, sigma; part of the true motion
+  // a calibration board that is moved before cameras that stand still, instead of a course
+  std::string board;           // KIND:COLSxROWS:SIZE_M as `cliquevo calibrate` takes it; empty = none
+  std::string lens;            // none, plumb_bob, rational, equidistant; empty: with raw plumb_bob, else none
+  std::uint64_t rig_seed = 0;  // 0 = the mount and lenses of the courses' raw pair; others: rigs at random
+  double skew_ms = 0.0;        // how much later the right camera exposes
+  double board_hold_s = 0.7;   // how long it is held in a place; 0 = in each frame another place
+  double board_move_s = 0.6;   // how long it takes to the next
   // store
   std::string cache_dir;  // noise-free renders are kept here; empty = $CLIQUEVO_CACHE, else ~/.cache/cliquevo; "none" =
                           // no cache

@@ -49,7 +49,7 @@ void add_drawing_commands(CLI::App& app, int& exit_code, const std::string& vers
   add_view_command(app, exit_code, version);
   fleet::add_fleet_command(app, exit_code);
 #ifdef CLIQUEVO_CALIBRATE
-  add_board_calibration_command(app, exit_code);
+  add_board_calibration_command(app, exit_code, version);
 #endif
 }
 

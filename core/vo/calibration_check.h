@@ -24,7 +24,11 @@ struct CalibrationCheck {
   // The turn of the right camera about its x, y and z axes that would explain these errors.
   Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();
   Eigen::Vector3d rotation_sigma_deg = Eigen::Vector3d::Zero();  // its standard deviation
-  bool compensated = false;                                      // the odometry corrects for it
+  // The right camera's focal length over the left one's, less 1, as rows show it; of a scene that is a level ground, a
+  // baseline that points up or down looks the same.
+  double focal_ratio_error = 0.0;
+  double focal_ratio_sigma = 0.0;  // its standard deviation
+  bool compensated = false;        // the odometry corrects for it
 
   // Plainly there, and large enough to be worth a new calibration.
   bool noticeable() const;

@@ -194,6 +194,9 @@ CalibrationCheck SelfCheck::result() const {
   c.rotation_sigma_deg = Eigen::Vector3d(c.vertical_sigma_px / model_.fy_px, c.disparity_offset_sigma_px / model_.fx_px,
                                          std::sqrt(covariance(1, 1) + slope_floor * slope_floor) / model_.fy_px);
   c.rotation_sigma_deg *= kDegrees;
+  const double down_floor = kVerticalFloor * model_.fy_px / (0.25 * model_.height);
+  c.focal_ratio_error = vertical_[2] / model_.fy_px;
+  c.focal_ratio_sigma = std::sqrt(covariance(2, 2) + down_floor * down_floor) / model_.fy_px;
   return c;
 }
 

@@ -18,7 +18,7 @@ void add_config_options(CLI::App& app, ConfigArgument& argument, const std::stri
 }
 
 Result<Config> read_config(const ConfigArgument& argument) {
-  ConfigSources sources{{}, argument.settings};
+  ConfigSources sources{{}, argument.settings, argument.needs_calibration};
   if (!argument.file.empty()) sources.files.push_back(argument.file);
   return read_config(sources);
 }
@@ -48,7 +48,7 @@ void add_daemon_options(CLI::App& app, DaemonOptions& options) {
 
 Result<Config> read_daemon_config(const ConfigArgument& argument, const std::string& folder) {
   if (!argument.file.empty()) return read_config(argument);
-  return read_config(ConfigSources{config_files_in(folder), argument.settings});
+  return read_config(ConfigSources{config_files_in(folder), argument.settings, argument.needs_calibration});
 }
 
 }  // namespace cliquevo::daemon

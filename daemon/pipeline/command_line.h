@@ -16,6 +16,7 @@ namespace cliquevo::daemon {
 struct ConfigArgument {
   std::string file;
   std::vector<std::string> settings;
+  bool needs_calibration = true;  // as in ConfigSources
 
   bool empty() const { return file.empty() && settings.empty(); }
 };

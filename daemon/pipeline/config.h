@@ -90,6 +90,7 @@ struct Config {
 struct ConfigSources {
   std::vector<std::string> files;
   std::vector<std::string> settings;  // "section.key=value" of the command line
+  bool needs_calibration = true;      // of cameras; false: for those who make one
 
   bool empty() const { return files.empty() && settings.empty(); }
 };

@@ -174,8 +174,10 @@ struct FileText {
   std::string text;
 };
 
-Result<Config> parse(const std::vector<FileText>& files, const std::vector<std::string>& settings) {
+Result<Config> parse(const std::vector<FileText>& files, const std::vector<std::string>& settings,
+                     bool needs_calibration = true) {
   Config config = default_config();
+  config.source.cameras.needs_calibration = needs_calibration;
   const KeyTable table = config_keys(config);
   const Known known(table);
   Entries entries;
@@ -207,7 +209,7 @@ Result<Config> read_config(const ConfigSources& sources) {
     if (!text) return text.error();
     files.push_back({path, std::move(*text)});
   }
-  return made_printable(parse(files, sources.settings));
+  return made_printable(parse(files, sources.settings, sources.needs_calibration));
 }
 
 Result<Config> read_config(const std::string& path) { return read_config(ConfigSources{{path}, {}}); }

@@ -152,7 +152,8 @@ Result<std::unique_ptr<FrameSource>> open_family(const SourceConfig& config, dri
 Result<std::unique_ptr<FrameSource>> open_source(const SourceConfig& config, drivers::OpenTrouble& trouble) {
   trouble = drivers::OpenTrouble::lasting;
   auto source = open_family(config, trouble);
-  if (!source || (config.type == "simulator" && !config.swap_eyes)) return source;
+  const bool unwatched = config.type == "simulator" || (config.is_live() && !config.cameras.needs_calibration);
+  if (!source || (unwatched && !config.swap_eyes)) return source;
   return drivers::watch_camera_order(std::move(*source), config.swap_eyes);
 }
 

@@ -17,7 +17,7 @@ Result<void> CameraOptions::check_names() const {
   if (layout == CameraLayout::two_cameras && right.empty()) return bad("right", "name the right camera");
   if (layout == CameraLayout::two_cameras && right == left)
     return bad("right", "name another camera than the left one");
-  if (calibration.empty()) return bad("calibration", "name the cameras' calibration");
+  if (needs_calibration && calibration.empty()) return bad("calibration", "name the cameras' calibration");
   return {};
 }
 
@@ -36,6 +36,7 @@ Result<void> CameraOptions::check() const {
 }
 
 Result<void> check_live_calibration(const CameraOptions& options) {
+  if (!options.needs_calibration) return {};
   // Some formats do not hold the size: they fit any.
   constexpr int kAnyWidth = 640;
   constexpr int kAnyHeight = 480;
@@ -54,9 +55,11 @@ Result<SourceInfo> live_source_info(const CameraOptions& options, int width, int
   info.height = height;
   info.rate_hz = options.rate_hz;
   info.live = true;
-  auto calibration = read_calibration(options.calibration, width, height, options.calibration_options);
-  if (!calibration) return calibration.error();
-  info.calibration = std::move(*calibration);
+  if (options.needs_calibration) {
+    auto calibration = read_calibration(options.calibration, width, height, options.calibration_options);
+    if (!calibration) return calibration.error();
+    info.calibration = std::move(*calibration);
+  }
   if (auto ok = read_masks(options.left_mask, options.right_mask, "", info); !ok) return ok.error();
   return info;
 }

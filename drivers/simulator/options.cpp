@@ -7,7 +7,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "calibration/board.h"
 #include "drivers/simulator.h"
+#include "drivers/simulator/board_rig.h"
 #include "drivers/simulator/camera_sets.h"
 
 namespace cliquevo::drivers {
@@ -114,6 +116,12 @@ constexpr Key kKeys[] = {
     CLIQUEVO_OPTION(right_gamma, "to the power of, -1 = the camera's own"),
     CLIQUEVO_OPTION(right_bias, "plus, grey levels, -1 = the camera's own"),
     CLIQUEVO_OPTION(sway_deg, "further turning of the camera, sigma, degrees, -1 = the camera's own"),
+    CLIQUEVO_OPTION(board, "a calibration board moved before the cameras, KIND:COLSxROWS:SIZE_M, instead of a course"),
+    CLIQUEVO_OPTION(lens, "of the cameras before a board: none, plumb_bob, rational, equidistant"),
+    CLIQUEVO_OPTION(rig_seed, "of the cameras before a board: 0 = mounted as the raw pair, others = at random"),
+    CLIQUEVO_OPTION(skew_ms, "how much later the right camera before a board exposes, ms"),
+    CLIQUEVO_OPTION(board_hold_s, "how long the board is held in a place, s; 0 = in each frame another place"),
+    CLIQUEVO_OPTION(board_move_s, "how long it takes to the next place, s"),
     CLIQUEVO_OPTION(cache_dir, "where renders are kept; none = nowhere"),
     CLIQUEVO_OPTION(cache_limit_gb, "size of the store, GB; what was not used for longest goes"),
     CLIQUEVO_OPTION(workers, "render threads, 0 = all cores"),
@@ -131,6 +139,22 @@ Result<void> one_of(const char* name, const std::string& value, const char* cons
   for (const char* k : known)
     if (value == k) return {};
   return bad(fmt::format("{} = {}", name, value), fmt::format("use one of {}", fmt::join(known, ", ")));
+}
+
+// What belongs to a board alone.
+Result<void> check_board(const SimulatorOptions& o) {
+  if (!o.lens.empty() && !sim::is_lens_name(o.lens)) {
+    return bad("lens = " + o.lens, "use one of none, plumb_bob, rational, equidistant");
+  }
+  if (o.board.empty()) {
+    const bool alone = o.lens.empty() && o.rig_seed == 0 && o.skew_ms == 0.0;
+    return alone ? Result<void>() : bad("lens, rig_seed or skew_ms", "name a board: they are not for courses");
+  }
+  if (auto board = calibration::parse_board(o.board); !board) return board.error();
+  for (const double turn : o.misalign_right_deg) {
+    if (turn != 0.0) return bad("misalign_right_deg with a board", "use rig_seed for another mount");
+  }
+  return {};
 }
 
 }  // namespace
@@ -173,6 +197,9 @@ Result<void> SimulatorOptions::check() const {
       {"right_gamma", right_gamma, -1.0, 4.0},
       {"right_bias", right_bias, -1.0, 100.0},
       {"sway_deg", sway_deg, -1.0, 10.0},
+      {"skew_ms", skew_ms, -100.0, 100.0},
+      {"board_hold_s", board_hold_s, 0.0, 60.0},
+      {"board_move_s", board_move_s, 0.0, 60.0},
       {"cache_limit_gb", cache_limit_gb, 0.0, 1e5},
       {"workers", static_cast<double>(workers), 0, 256},
   };
@@ -188,8 +215,10 @@ Result<void> SimulatorOptions::check() const {
     return bad(fmt::format("straight course of {} m", step_m * static_cast<double>(frames)),
                "use at most 5000 m, or the wheeled course, which has no end");
   }
+  if (auto ok = check_board(*this); !ok) return ok;
   // The lens of the raw pair is monotonic up to there.
-  if (raw && focal_px < 0.7 * std::hypot(width, height)) {
+  const bool raw_lens = rig_seed == 0 && (lens == "plumb_bob" || (lens.empty() && raw));
+  if (raw_lens && focal_px < 0.7 * std::hypot(width, height)) {
     return bad(fmt::format("focal_px = {} with raw", focal_px),
                fmt::format("use at least {:.0f}: the raw lens does not reach further out",
                            std::ceil(0.7 * std::hypot(width, height))));

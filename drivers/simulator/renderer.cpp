@@ -7,6 +7,7 @@
 #include <numbers>
 #include <span>
 
+#include "drivers/simulator/sensor.h"
 #include "drivers/simulator/shade.h"
 #include "drivers/simulator/texture.h"
 
@@ -28,7 +29,6 @@ constexpr Sample kSamples[4] = {{-1.5 * kSpacing, -0.5 * kSpacing, -0.375},
                                 {1.5 * kSpacing, 0.5 * kSpacing, 0.375}};
 // A raw pair is drawn at twice the resolution: two samples a pixel are eight in the end.
 constexpr Sample kRawSamples[2] = {{-0.25, -0.25, -0.25}, {0.25, 0.25, 0.25}};
-constexpr double kExposureS = 0.003;
 
 constexpr double kGravelTexelM = 0.0019;
 constexpr double kGrassTexelM = 0.0024;

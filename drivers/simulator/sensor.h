@@ -9,6 +9,9 @@
 
 namespace cliquevo::drivers::sim {
 
+// During which the picture is blurred by motion.
+inline constexpr double kExposureS = 0.003;
+
 // Of both cameras: a slow drift, and steps as an automatic exposure takes them. About 0.8 to 1.2.
 double exposure_gain(const SimulatorOptions& options, std::int64_t frame);
 

@@ -2,7 +2,6 @@
 #include "drivers/simulator.h"
 
 #include <algorithm>
-#include <cmath>
 #include <condition_variable>
 #include <mutex>
 #include <optional>
@@ -12,15 +11,15 @@
 #include <fmt/format.h>
 
 #include "core/base/caught.h"
+#include "drivers/simulator/board_source.h"
 #include "drivers/simulator/camera_sets.h"
 #include "drivers/simulator/course.h"
 #include "drivers/simulator/fault.h"
-#include "drivers/simulator/jpeg.h"
+#include "drivers/simulator/photograph.h"
 #include "drivers/simulator/raw_pair.h"
 #include "drivers/simulator/render_cache.h"
 #include "drivers/simulator/renderer.h"
 #include "drivers/simulator/rough_camera.h"
-#include "drivers/simulator/sensor.h"
 #include "drivers/simulator/world.h"
 
 namespace cliquevo::drivers {
@@ -28,8 +27,6 @@ namespace cliquevo::drivers {
 namespace {
 
 using namespace sim;
-
-constexpr TimestampNs kEpochNs = 1'700'000'000'000'000'000;
 
 // Renders ahead: worker k of the pool takes the next frame that nobody has taken; frames are independent of each other,
 // so that their number and timing cannot change an image.
@@ -156,27 +153,17 @@ class RenderedSimulator : public Simulator {
     cache_.store(frame, pair);
   }
 
-  // From the noise-free picture to what the camera hands over.
-  Result<void> photograph(std::int64_t frame, int camera, ImageView<const std::uint16_t> clean,
-                          Image<std::uint8_t>& out) const {
-    const std::int64_t taken = delivered_frame(options_, frame, camera);
-    expose(options_, taken, camera, roughen(options_, course_, taken, camera, clean, rough_), out);
-    apply_fault(options_, frame, camera, out);
-    const int quality = jpeg_quality_of(options_, taken, camera);
-    return quality > 0 ? through_jpeg(quality, out) : Result<void>();
-  }
-
   Result<void> deliver(std::int64_t frame, const CleanPair& clean, StereoPair& pair) const {
     pair.index = next_;
-    pair.stamp_ns =
-        kEpochNs + static_cast<TimestampNs>(std::llround(static_cast<double>(frame) * 1e9 / options_.rate_hz));
+    pair.stamp_ns = stamp_of(options_, frame);
     pair.truth_T_world_camera =
         frame == 0 ? RigidTransform{} : T_first_world_ * course_.T_world_camera(static_cast<double>(frame));
     const std::int64_t right_frame = delivered_frame(options_, frame, 1);
     const bool hangs = right_frame != frame && !same_every_frame_;
     if (hangs && frozen_.right.empty()) produce(right_frame, own_scratch_, frozen_);
-    if (auto ok = photograph(frame, 0, clean.left.cview(), pair.left); !ok) return ok;
-    return photograph(frame, 1, hangs ? frozen_.right.cview() : clean.right.cview(), pair.right);
+    const auto right = hangs ? frozen_.right.cview() : clean.right.cview();
+    if (auto ok = photograph(options_, course_, frame, 0, clean.left.cview(), rough_, pair.left); !ok) return ok;
+    return photograph(options_, course_, frame, 1, right, rough_, pair.right);
   }
 
   // The world is made when the first frame is not in the store.
@@ -221,6 +208,7 @@ class RenderedSimulator : public Simulator {
 
 Result<std::unique_ptr<Simulator>> open_simulator(const SimulatorOptions& options) {
   if (const Result<void> checked = options.check(); !checked) return checked.error();
+  if (!options.board.empty()) return open_board(with_camera(options));
   return std::unique_ptr<Simulator>(std::make_unique<RenderedSimulator>(options));
 }
 

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // `cliquevo calibrate` as a user runs it: on a real board, on what is no board, and on a drive without one.
+#include <chrono>
+#include <csignal>
 #include <fstream>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -65,8 +68,49 @@ TEST(Calibrate, WhatCannotBeCalibratedIsOneLineThatSaysWhatToDo) {
   refused({folder, "--board", "checkerboard:9x6:0.02"}, 2, "chessboard, charuco, aprilgrid or circles");
   refused({folder}, 2, "--board");
   refused({scratch_dir() + "/none", "--board", kBoard}, 1, "/none");
+  refused({"sim:board=chessboard:9x6:0.03,frames=4,board_hold_s=0", "--board", "charuco:9x6:0.03"}, 1,
+          "a chessboard with 9x6 corners is seen");
+  refused({"sim:board=charuco:9x6:0.03,frames=4,board_hold_s=0", "--board", "chessboard:9x6:0.03"}, 1,
+          "markers of a charuco board are seen");
+  refused({"sim:board=chessboard:9x6:0.03,frames=30,fault=covered,board_hold_s=0", "--board", "chessboard:9x6:0.03"}, 1,
+          "the left camera never saw the board");
+  refused({"sim:board=chessboard:9x6:0.03,frames=4,board_hold_s=0", "--board", "chessboard:9x6:0.03"}, 1,
+          "too few views");
+  refused({"sim:board=chessboard:9x6", "--board", kBoard}, 2, "measure it");
+  refused({"sim:lens=rational", "--board", kBoard}, 2, "name a board");
   refused({"sim:frames=8", "--board", kBoard}, 1, "no chessboard:9x6:0.02423 found in 8 pairs");
   refused({"sim:frames=8", "--from-driving"}, 1, "shows too little");
+}
+
+// A board that is moved before simulated cameras: the command finds what they are.
+TEST(Calibrate, ASimulatedBoardGivesTheRigThatIsThere) {
+  const std::string source = "sim:board=charuco:9x6:0.03,raw=on,frames=36,board_hold_s=0";
+  const std::string out = scratch_dir() + "/rig.yaml";
+  const Finished done =
+      run({binary("cliquevo"), "calibrate", source, "--board", "charuco:9x6:0.03", "--out", out, "--json"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  const json result = json::parse(done.out);
+  EXPECT_GT(result["views_used"], 25);
+  EXPECT_NEAR(result["baseline_m"].get<double>(), 0.12, 3.0 * result["baseline_sigma_m"].get<double>() + 1e-5);
+  EXPECT_NEAR(value(result, "left.fx_px"), 0.9914 * 560.0, 3.0 * sigma(result, "left.fx_px"));
+  EXPECT_NEAR(value(result, "right.fy_px"), 0.9918 * 560.0, 3.0 * sigma(result, "right.fy_px"));
+}
+
+TEST(Calibrate, CtrlCOfAGuidedRunKeepsWhatWasCollected) {
+  const std::string out = scratch_dir() + "/rig.yaml";
+  Subprocess guided({binary("cliquevo"), "calibrate",
+                     "sim:board=chessboard:9x6:0.03,raw=on,frames=100000,board_hold_s=0", "--board",
+                     "chessboard:9x6:0.03", "--out", out, "--page", "--port", "0", "--max-views", "1000", "--model",
+                     "radtan", "--set", "source.simulator.frames=5"});
+  // By then some views are there: the first is long in coming where the machine is busy.
+  std::this_thread::sleep_for(std::chrono::seconds(6));
+  guided.send(SIGINT);
+  const Finished done = guided.wait();
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.err.find("calibrate.html"), std::string::npos) << "the page's address";
+  EXPECT_NE(done.err.find("next: "), std::string::npos) << "the guide's words";
+  EXPECT_NE(done.out.find("written"), std::string::npos) << done.out;
+  EXPECT_TRUE(std::ifstream(out).good());
 }
 
 TEST(Calibrate, ADriveCorrectsARightCameraThatIsTurnedAndLeavesAGoodRigAlone) {

@@ -2,12 +2,14 @@
 #include "tools/calibrate/collect.h"
 
 #include <algorithm>
-#include <map>
+#include <cmath>
+#include <limits>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "tools/calibrate/detector.h"
+#include "tools/calibrate/moved.h"
 #include "tools/progress.h"
 #include "tools/skipped_pairs.h"
 #include "tools/stop_on_signal.h"
@@ -16,27 +18,12 @@ namespace cliquevo::tools {
 
 namespace {
 
-using calibration::SeenCorner;
-using calibration::Side;
 using calibration::View;
 
-constexpr int kGuesses = 5;  // pairs in which something else is looked for
-
-// Mean distance of the corners that both have; none where they share fewer than half.
-std::optional<double> moved_px(const std::vector<SeenCorner>& a, const std::vector<SeenCorner>& b) {
-  std::map<int, Eigen::Vector2d> places;
-  for (const SeenCorner& c : a) places[c.id] = c.px;
-  double sum = 0.0;
-  double shared = 0.0;
-  for (const SeenCorner& c : b) {
-    const auto at = places.find(c.id);
-    if (at == places.end()) continue;
-    sum += (c.px - at->second).norm();
-    shared += 1.0;
-  }
-  if (shared < 0.5 * static_cast<double>(std::max(a.size(), b.size())) || shared < 1.0) return std::nullopt;
-  return sum / shared;
-}
+constexpr int kGuesses = 5;             // pairs in which something else is looked for
+constexpr double kMostSkewed_px = 0.1;  // by motion between the exposures of both cameras
+constexpr std::size_t kMostMoving = 600;
+constexpr std::size_t kFewViews = 12;
 
 class Collector {
  public:
@@ -55,14 +42,29 @@ class Collector {
       guess(pair, out);
       return;
     }
-    const bool moves = options_.most_motion_px > 0.0 && is_moving(view);
+    const double speed_px_s = speed_of(view, pair.stamp_ns);
     last_ = view;
-    if (moves) {
+    last_ns_ = pair.stamp_ns;
+    const double skewed_px = speed_px_s * 1e-9 * static_cast<double>(std::abs(pair.right_offset_ns));
+    if (options_.most_speed_px_s > 0.0 && (speed_px_s > options_.most_speed_px_s || skewed_px > kMostSkewed_px)) {
       ++out.moving;
+      moving_.push_back({speed_px_s, std::move(view)});
+      if (moving_.size() > kMostMoving) slowest_first(kMostMoving / 2);
     } else if (is_known(view, out.views)) {
       ++out.alike;
     } else {
       out.views.push_back(std::move(view));
+    }
+  }
+
+  // Where a board was hardly ever held still, the slowest views have to do.
+  void fill_up(Collected& out) {
+    slowest_first(moving_.size());
+    for (Moving& moving : moving_) {
+      if (out.views.size() >= kFewViews) return;
+      if (!std::isfinite(moving.speed_px_s) || is_known(moving.view, out.views)) continue;
+      out.views.push_back(std::move(moving.view));
+      --out.moving;
     }
   }
 
@@ -73,14 +75,20 @@ class Collector {
     out.guess = detector_.nearest_guess(pair.left.cview());
   }
 
-  // A board that was not seen just before may have moved.
-  bool is_moving(const View& view) const {
-    if (!last_) return true;
-    for (const Side side : {Side::left, Side::right}) {
-      const auto moved = moved_px(last_->of(side), view.of(side));
-      if (moved && *moved > options_.most_motion_px) return true;
-    }
-    return false;
+  // Of a board that was not seen just before: infinite.
+  double speed_of(const View& view, TimestampNs stamp_ns) const {
+    constexpr double kUnknown = std::numeric_limits<double>::infinity();
+    const double since_s = 1e-9 * static_cast<double>(stamp_ns - last_ns_);
+    if (!last_ || !(since_s > 0.0)) return kUnknown;
+    const auto left = moved_px(last_->left, view.left), right = moved_px(last_->right, view.right);
+    if (!left && !right) return kUnknown;
+    return std::max(left.value_or(0.0), right.value_or(0.0)) / since_s;
+  }
+
+  void slowest_first(std::size_t most) {
+    std::stable_sort(moving_.begin(), moving_.end(),
+                     [](const Moving& a, const Moving& b) { return a.speed_px_s < b.speed_px_s; });
+    moving_.resize(std::min(moving_.size(), most));
   }
 
   bool is_known(const View& view, const std::vector<View>& views) const {
@@ -94,7 +102,13 @@ class Collector {
   BoardDetector detector_;
   CollectOptions options_;
   double news_px_;
+  struct Moving {
+    double speed_px_s = 0.0;
+    View view;
+  };
+  std::vector<Moving> moving_;
   std::optional<View> last_;
+  TimestampNs last_ns_ = 0;
   int guesses_ = 0;
 };
 
@@ -121,6 +135,7 @@ Result<Collected> collect_views(drivers::FrameSource& source, const calibration:
     progress.update(out.pairs, 0.0, fmt::format("{} views", out.views.size()));
   }
   progress.finish();
+  collector.fill_up(out);
   out.stopped = StopOnSignal::asked();
   return out;
 }

@@ -15,9 +15,9 @@ namespace cliquevo::tools {
 
 struct CollectOptions {
   std::int64_t most_views = 150;
-  // Pairs in which a corner moved by more than this since the pair before are blurred or skewed; 0: any may move, as in
-  // a folder of single pictures.
-  double most_motion_px = 0.0;
+  // Pairs in which the board moves faster are blurred or skewed, and taken only where there are few others; 0: it may
+  // have moved, as in a folder of single pictures.
+  double most_speed_px_s = 0.0;
   // A view is another one when its corners lie elsewhere by so much of the image's width, on average.
   double news_of_width = 0.03;
 };
@@ -30,6 +30,8 @@ struct Collected {
   std::int64_t alike = 0;    // left out: as good as a view that is there
   std::string guess;         // what is seen instead of the board, where it never was
   bool stopped = false;      // by a signal
+  bool ended = false;        // the source is at its end
+  bool enough = false;       // nothing more is wanted
 };
 
 Result<Collected> collect_views(drivers::FrameSource& source, const calibration::Board& board,

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <map>
 
-#include <fmt/format.h>
 #include <opencv2/aruco/charuco.hpp>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "tools/calibrate/board_guess.h"
 #include "tools/calibrate/markers.h"
 
 namespace cliquevo::tools {
@@ -29,8 +29,6 @@ constexpr double kSubPixStep_px = 1e-3;
 constexpr double kWindowOfSquare = 0.35;  // half side of the window in which a corner is refined, of a square's side
 constexpr int kMostWindow = 11;
 constexpr int kLeastWindow = 2;
-constexpr int kGuessRange = 2;         // columns and rows that a guess tries around those of the board,
-constexpr int kGuessWidth_px = 400;    // in an image of this width: it takes long
 constexpr double kFreeOfMargin = 0.8;  // of the white between a charuco board's corner and the nearest marker
 
 cv::Mat header_of(ImageView<const std::uint8_t> image) {
@@ -201,36 +199,7 @@ std::vector<SeenCorner> BoardDetector::find(ImageView<const std::uint8_t> image)
 }
 
 std::string BoardDetector::nearest_guess(ImageView<const std::uint8_t> image) const {
-  const cv::Mat grey = header_of(image);
-  const Board& board = impl_->board;
-  if (board.kind == BoardKind::charuco || board.kind == BoardKind::aprilgrid) {
-    cv::Mat mirrored;
-    cv::flip(grey, mirrored, 1);
-    return impl_->find(mirrored).empty() ? "" : "the board is seen in the mirrored image: a mirror is in the way";
-  }
-  if (board.kind == BoardKind::circles) return "";
-  constexpr int kFlags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
-  cv::Mat small = grey;
-  if (grey.cols > kGuessWidth_px) {
-    const double scale = static_cast<double>(kGuessWidth_px) / grey.cols;
-    cv::resize(grey, small, {}, scale, scale, cv::INTER_AREA);
-  }
-  // The largest first: a smaller one is found within.
-  std::vector<std::pair<int, int>> sizes;
-  for (int columns = std::max(3, board.columns - kGuessRange); columns <= board.columns + kGuessRange; ++columns) {
-    for (int rows = std::max(3, board.rows - kGuessRange); rows <= board.rows + kGuessRange; ++rows) {
-      if (columns != board.columns || rows != board.rows) sizes.emplace_back(columns, rows);
-    }
-  }
-  std::sort(sizes.begin(), sizes.end(),
-            [](const auto& a, const auto& b) { return a.first * a.second > b.first * b.second; });
-  for (const auto& [columns, rows] : sizes) {
-    std::vector<cv::Point2f> corners;
-    if (find_chessboard(small, columns, rows, kFlags, corners)) {
-      return fmt::format("{}x{} corners are seen, {}x{} were named", columns, rows, board.columns, board.rows);
-    }
-  }
-  return "";
+  return guess_board(impl_->board, *this, image);
 }
 
 }  // namespace cliquevo::tools

@@ -20,6 +20,8 @@ constexpr int kMostRounds = 4;
 constexpr int kLeastFrames = 50;            // that contributed to the self-check
 constexpr double kLeastCertain_deg = 0.02;  // about x and z, which rows alone show
 constexpr double kClear = 3.0;              // standard deviations from which on an axis is corrected
+constexpr double kClearFocal = 4.0;         // likewise the right focal length, which a tilted baseline may pretend,
+constexpr double kLeastFocal = 5e-4;        // and only by so much of it
 
 // A source's description with another calibration.
 drivers::SourceInfo described(const drivers::SourceInfo& info, const StereoCalibration& calibration) {
@@ -94,6 +96,12 @@ Eigen::Vector3d clear_turn_deg(const vo::CalibrationCheck& check) {
   return out;
 }
 
+// What is clear of the right camera's focal length over what the calibration has, less 1.
+double clear_focal_error(const vo::CalibrationCheck& check) {
+  const double error = check.focal_ratio_error;
+  return std::abs(error) > std::max(kLeastFocal, kClearFocal * check.focal_ratio_sigma) ? error : 0.0;
+}
+
 Result<void> check_evidence(const DrivenRun& run) {
   const vo::CalibrationCheck& c = run.check;
   const double least_certain = std::max(c.rotation_sigma_deg.x(), c.rotation_sigma_deg.z());
@@ -135,6 +143,13 @@ StereoCalibration with_right_camera_turned(const StereoCalibration& calibration,
   return out;
 }
 
+StereoCalibration with_right_focal_scaled(const StereoCalibration& calibration, double ratio) {
+  StereoCalibration out = with_right_camera_turned(calibration, Eigen::Vector3d::Zero());
+  out.right.fx_px *= ratio;
+  out.right.fy_px *= ratio;
+  return out;
+}
+
 Result<DrivenCalibration> calibrate_from_driving(const OpenSource& open, const daemon::Config& config) {
   DrivenCalibration out;
   for (int round = 0; round < kMostRounds && !StopOnSignal::asked(); ++round) {
@@ -146,12 +161,17 @@ Result<DrivenCalibration> calibrate_from_driving(const OpenSource& open, const d
     out.runs.push_back(*run);
     if (auto ok = check_evidence(*run); !ok) return ok.error();
     out.sigma_deg = run->check.rotation_sigma_deg;
+    out.focal_ratio_sigma = run->check.focal_ratio_sigma;
     const Eigen::Vector3d turn_deg = clear_turn_deg(run->check);
+    const double focal_error = clear_focal_error(run->check);
     const bool last = round + 1 == kMostRounds;
-    if (turn_deg.isZero() || last || (round == 0 && !run->check.noticeable())) break;
+    const bool nothing_left = turn_deg.isZero() && focal_error == 0.0;
+    if (nothing_left || last || (round == 0 && !run->check.noticeable())) break;
     // What is there is what the calibration lacks: rectifying takes it back.
     out.calibration = with_right_camera_turned(out.calibration, -kRadian * turn_deg);
+    if (focal_error != 0.0) out.calibration = with_right_focal_scaled(out.calibration, 1.0 + focal_error);
     out.turned_deg += turn_deg;
+    out.focal_ratio *= 1.0 + focal_error;
     out.changed = true;
   }
   return out;

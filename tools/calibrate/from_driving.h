@@ -31,6 +31,8 @@ struct DrivenCalibration {
   std::vector<DrivenRun> runs;  // the first with the calibration as it was, the last with this one
   Eigen::Vector3d turned_deg = Eigen::Vector3d::Zero();  // the right camera, about its rectified axes, in all
   Eigen::Vector3d sigma_deg = Eigen::Vector3d::Zero();
+  double focal_ratio = 1.0;  // of the right camera's new focal lengths over the old ones
+  double focal_ratio_sigma = 0.0;
   bool changed = false;
 };
 
@@ -40,5 +42,8 @@ Result<DrivenCalibration> calibrate_from_driving(const OpenSource& open, const d
 // The same rig with its right camera turned, in the rectified right camera's axes. As raw cameras, also where the
 // calibration was of rectified images.
 StereoCalibration with_right_camera_turned(const StereoCalibration& calibration, const Eigen::Vector3d& turn_rad);
+
+// The same rig with both focal lengths of its right camera times this.
+StereoCalibration with_right_focal_scaled(const StereoCalibration& calibration, double ratio);
 
 }  // namespace cliquevo::tools

@@ -214,11 +214,15 @@ std::string summary_of(const CalibrationResult& r) {
 }
 
 nlohmann::json to_json(const DrivenCalibration& d) {
-  nlohmann::json out = {{"changed", d.changed},
-                        {"turned_deg", {d.turned_deg.x(), d.turned_deg.y(), d.turned_deg.z()}},
-                        {"sigma_deg", {d.sigma_deg.x(), d.sigma_deg.y(), d.sigma_deg.z()}},
-                        {"baseline_m", d.calibration.T_right_left.t.norm()},
-                        {"runs", nlohmann::json::array()}};
+  nlohmann::json out = {
+      {"changed", d.changed},
+      {"turned_deg", {d.turned_deg.x(), d.turned_deg.y(), d.turned_deg.z()}},
+      {"sigma_deg", {d.sigma_deg.x(), d.sigma_deg.y(), d.sigma_deg.z()}},
+      {"focal_ratio", d.focal_ratio},
+      {"focal_ratio_sigma", d.focal_ratio_sigma},
+      {"not_observable", {"baseline_m", "left lens", "right distortion and centre", "baseline direction"}},
+      {"baseline_m", d.calibration.T_right_left.t.norm()},
+      {"runs", nlohmann::json::array()}};
   for (const DrivenRun& run : d.runs) {
     const Eigen::Vector3d& turn = run.check.rotation_deg;
     const Eigen::Vector3d& sigma = run.check.rotation_sigma_deg;
@@ -229,6 +233,8 @@ nlohmann::json to_json(const DrivenCalibration& d) {
          {"reprojection_px", run.reprojection_px},
          {"rotation_deg", {turn.x(), turn.y(), turn.z()}},
          {"rotation_sigma_deg", {sigma.x(), sigma.y(), sigma.z()}},
+         {"focal_ratio_error", run.check.focal_ratio_error},
+         {"focal_ratio_sigma", run.check.focal_ratio_sigma},
          {"rows_px", run.check.vertical_most_px},
          {"end_pct", run.end_error_percent ? nlohmann::json(*run.end_error_percent) : nlohmann::json(nullptr)}});
   }
@@ -243,12 +249,18 @@ std::string summary_of(const DrivenCalibration& d) {
     const Eigen::Vector3d& sigma = run.check.rotation_sigma_deg;
     out += fmt::format(
         "run {}      {} of {} frames valid, {:.1f} m; left over between the cameras: {:.4f} +- {:.4f}, "
-        "{:.4f} +- {:.4f}, {:.4f} +- {:.4f} degrees about x, y, z; rows up to {:.2f} px{}\n",
+        "{:.4f} +- {:.4f}, {:.4f} +- {:.4f} degrees about x, y, z; focal length of the right one {:+.3f} +- {:.3f} %; "
+        "rows up to {:.2f} px{}\n",
         i + 1, run.valid, run.frames, run.way_m, turn.x(), sigma.x(), turn.y(), sigma.y(), turn.z(), sigma.z(),
-        run.check.vertical_most_px,
+        100.0 * run.check.focal_ratio_error, 100.0 * run.check.focal_ratio_sigma, run.check.vertical_most_px,
         run.end_error_percent ? fmt::format("; end off by {:.2f} %", *run.end_error_percent) : "");
   }
+  out += "not seen in a drive: the baseline (a way as much too long), its direction, and the lenses apart from that\n";
   if (!d.changed) return out + "the calibration agrees with the drive: it is written as it was\n";
+  if (d.focal_ratio != 1.0) {
+    out += fmt::format("the right camera's focal lengths are {:.5f} +- {:.5f} times the old ones\n", d.focal_ratio,
+                       d.focal_ratio_sigma);
+  }
   return out + fmt::format(
                    "the right camera is turned by {:.4f}, {:.4f}, {:.4f} degrees about x, y, z against the old "
                    "calibration\n",

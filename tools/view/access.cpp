@@ -77,8 +77,15 @@ std::optional<PageCommand> parse_command(std::string_view text) {
   if (!message.is_object()) return std::nullopt;
   const auto op = message.find("op");
   if (op == message.end() || !op->is_string()) return std::nullopt;
-  if (*op == "record-start") return PageCommand{PageCommand::What::record_start};
-  if (*op == "record-stop") return PageCommand{PageCommand::What::record_stop};
+  using What = PageCommand::What;
+  static constexpr std::pair<const char*, What> kPlain[] = {{"record-start", What::record_start},
+                                                            {"record-stop", What::record_stop},
+                                                            {"take-view", What::take_view},
+                                                            {"drop-view", What::drop_view},
+                                                            {"finish", What::finish}};
+  for (const auto& [name, what] : kPlain) {
+    if (*op == name) return PageCommand{what};
+  }
   if (*op != "frame") return std::nullopt;
   const auto number = message.find("n");
   const auto parts = message.find("parts");

@@ -37,7 +37,7 @@ std::string cookie_name(const AccessRules& rules);
 
 // What a page may send.
 struct PageCommand {
-  enum class What { frame, record_start, record_stop };
+  enum class What { frame, record_start, record_stop, take_view, drop_view, finish };
   What what = What::frame;
   std::int64_t number = 0;  // of the frame, -1: the newest
   unsigned parts = 0;       // PartMask

@@ -138,7 +138,10 @@ Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
   MaskTeller mask;
   telling.mask = [&] { return mask.message(*feed); };
   telling.metrics = [&] { return metrics_text(feed->state(), options.version); };
-  telling.command = [&](PageCommand::What what) { recording.turn(what == PageCommand::What::record_start); };
+  telling.command = [&](PageCommand::What what) {
+    const bool start = what == PageCommand::What::record_start;
+    if (start || what == PageCommand::What::record_stop) recording.turn(start);
+  };
   auto server = Server::open(options.server, **store, std::move(telling));
   if (!server) return server.error();
   std::atomic<bool> ending{false};

@@ -69,6 +69,17 @@ void add_rough_camera(SimulatorOptions& s, KeyTable& t) {
   t.number("sway_deg", s.sway_deg, "deg", between(-1, 10), "further turning of the camera, standard deviation");
 }
 
+void add_board(SimulatorOptions& s, KeyTable& t) {
+  t.text("board", s.board, "a calibration board moved before the cameras instead of a course: KIND:COLSxROWS:SIZE_M");
+  t.text("lens", s.lens, "of the cameras before a board: none, plumb_bob, rational, or equidistant");
+  t.number("rig_seed", s.rig_seed, "", at_least(0),
+           "of those cameras: 0 = mounted as the raw pair, others = at random");
+  t.number("skew_ms", s.skew_ms, "ms", between(-100, 100), "how much later their right one exposes");
+  t.number("board_hold_s", s.board_hold_s, "s", between(0, 60),
+           "how long the board is held in a place; 0 = in each frame another place");
+  t.number("board_move_s", s.board_move_s, "s", between(0, 60), "how long it takes to the next place");
+}
+
 }  // namespace
 
 void add_simulator_keys(SimulatorOptions& s, KeyTable& t) {
@@ -78,6 +89,7 @@ void add_simulator_keys(SimulatorOptions& s, KeyTable& t) {
   add_world(s, t);
   add_sensor(s, t);
   add_rough_camera(s, t);
+  add_board(s, t);
   t.text("cache_dir", s.cache_dir,
          "renders are kept here; empty = $CLIQUEVO_CACHE, else ~/.cache/cliquevo; none = keep nothing");
   t.number("cache_limit_gb", s.cache_limit_gb, "GB", between(0, 1e5),
