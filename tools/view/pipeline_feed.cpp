@@ -5,12 +5,18 @@
 #include <cmath>
 #include <mutex>
 
+#include "daemon/lcm/odometry_builder.h"
+#include "daemon/lcm/points.h"
+#include "tools/view/ros2_writer.h"
+
 namespace cliquevo::view {
 
 namespace {
 
 constexpr int kJpegQuality = 82;
 constexpr std::size_t kPointsOfAFrame = 10;
+constexpr double kPointsHz = 5.0;
+constexpr int kPointsStep_px = 4;
 
 MoverFact fact_of(const vo::Mover& m) {
   MoverFact out;
@@ -67,8 +73,13 @@ FrameFacts facts_of(const daemon::FramePipeline& pipeline, std::int64_t index) {
 
 class PipelineFeed final : public Feed {
  public:
-  PipelineFeed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline)
-      : source_(std::move(source)), pipeline_(std::move(pipeline)) {
+  PipelineFeed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline,
+               const RigidTransform& T_body_camera)
+      : source_(std::move(source)),
+        pipeline_(std::move(pipeline)),
+        T_body_camera_(T_body_camera),
+        odometry_(T_body_camera),
+        tap_(pipeline_.model().width, pipeline_.model().height, kPointsHz) {
     state_.frames = source_->info().frame_count;
     state_.text = "processing";
     state_.model = pipeline_.model();
@@ -82,7 +93,8 @@ class PipelineFeed final : public Feed {
     return state_;
   }
 
-  void run(Store& store, const std::function<bool()>& stopped) override {
+  void run(Store& store, Ros2Topics& topics, const std::function<bool()>& stopped) override {
+    ros2_.emplace(topics, T_body_camera_);
     drivers::StereoPair pair;
     int in_a_row = 0;  // pairs that cannot be read
     while (!stopped()) {
@@ -95,6 +107,7 @@ class PipelineFeed final : public Feed {
       if (!*read) return end({});
       if (auto done = pipeline_.process(pair); !done) return end(done.error().line());
       add(pair, store);
+      add_ros2(pair.stamp_ns);
     }
   }
 
@@ -116,6 +129,22 @@ class PipelineFeed final : public Feed {
     state_.view_text = vo::describe(e.vehicle_part);
   }
 
+  void add_ros2(TimestampNs stamp_ns) {
+    daemon::PublishedFrame frame;
+    frame.estimate = pipeline_.estimate();
+    const bool usable = frame.estimate.T_prev_cur.is_finite() && frame.estimate.T_world_camera.is_finite();
+    odometry_.build(frame, usable, stamp_ns, message_);
+    ros2_->add(message_);
+    ros2_->add_left(stamp_ns, pipeline_.rectified_left(), pipeline_.model());
+    ros2_->add_disparity(stamp_ns, pipeline_.disparity());
+    if (!ros2_->wants_points()) return;
+    tap_.offer(stamp_ns, pipeline_.rectified_left(), pipeline_.disparity());
+    if (tap_.take() == nullptr) return;
+    daemon::build_points(*tap_.take(), pipeline_.model(), T_body_camera_, kPointsStep_px, points_);
+    tap_.give_back();
+    ros2_->add(points_);
+  }
+
   void end(const std::string& error) {
     const std::lock_guard lock(mutex_);
     state_.done = true;
@@ -127,6 +156,12 @@ class PipelineFeed final : public Feed {
   daemon::FramePipeline pipeline_;
   JpegEncoder jpeg_;
   FactsMaker facts_;
+  const RigidTransform T_body_camera_;
+  std::optional<Ros2Writer> ros2_;  // once it runs
+  daemon::OdometryBuilder odometry_;
+  odometry_t message_{};
+  daemon::ImageTap tap_;
+  points_t points_{};
   mutable std::mutex mutex_;
   FeedState state_;
 };
@@ -149,8 +184,9 @@ FrameFacts FactsMaker::make(const daemon::FramePipeline& pipeline, const drivers
   return facts;
 }
 
-std::unique_ptr<Feed> make_pipeline_feed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline) {
-  return std::make_unique<PipelineFeed>(std::move(source), std::move(pipeline));
+std::unique_ptr<Feed> make_pipeline_feed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline,
+                                         const RigidTransform& T_body_camera) {
+  return std::make_unique<PipelineFeed>(std::move(source), std::move(pipeline), T_body_camera);
 }
 
 }  // namespace cliquevo::view

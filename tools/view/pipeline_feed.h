@@ -27,6 +27,8 @@ class FactsMaker {
   std::int64_t count_ = 0;
 };
 
-std::unique_ptr<Feed> make_pipeline_feed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline);
+// T_body_camera: how the camera sits on the body.
+std::unique_ptr<Feed> make_pipeline_feed(std::unique_ptr<drivers::FrameSource> source, daemon::FramePipeline pipeline,
+                                         const RigidTransform& T_body_camera);
 
 }  // namespace cliquevo::view
