@@ -18,6 +18,9 @@ Result<void> DaemonWork::odometry(FrameSlot& slot, PublishedFrame& out) {
   auto done = rig_.odometry.run(slot.pair.stamp_ns, slot.frame);
   output_.tap.offer(slot.pair.stamp_ns, slot.frame.left.cview(), slot.frame.right.cview(),
                     slot.frame.disparity.cview());
+  if (output_.points) {
+    output_.points->offer(slot.pair.stamp_ns, slot.frame.left.cview(), slot.frame.disparity.cview());
+  }
   if (done) output_.feature_tap.offer(rig_.odometry);
   out.estimate = rig_.odometry.estimate();
   if (with_movers_) out.movers = rig_.odometry.movers();

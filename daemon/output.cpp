@@ -10,10 +10,13 @@ namespace cliquevo::daemon {
 Result<std::unique_ptr<Output>> Output::make(Publisher publisher, const Config& config, const StereoModel& model,
                                              ImageView<const std::uint8_t> mask, const std::string& trajectory) {
   const double images_rate_hz = config.lcm.images_channel.empty() ? 0.0 : config.lcm.images_rate_hz;
+  auto points = PointsThread::start(config.lcm, model, config.T_body_camera);
+  if (!points) return points.error();
   std::unique_ptr<Output> out(
       new Output{std::move(publisher),
                  ImageTap({model.width, model.height, images_rate_hz, config.lcm.images_right, mask}),
                  {!config.lcm.features_channel.empty(), static_cast<std::size_t>(config.odometry.max_features)},
+                 std::move(*points),
                  model,
                  std::nullopt,
                  {},
@@ -35,6 +38,7 @@ void Output::take(const PublishedFrame& frame) {
     taken = publisher.publish(*images, model) && taken;
     tap.give_back();
   }
+  if (points) taken = points->after_frame(publisher) && taken;
   if (!taken && sent.send_errors.fetch_add(1, std::memory_order_relaxed) == 0) {
     spdlog::warn("LCM does not take messages: further ones are only counted");
   }

@@ -12,6 +12,7 @@
 #include "daemon/lcm/image_tap.h"
 #include "daemon/lcm/publisher.h"
 #include "daemon/pipeline/config.h"
+#include "daemon/points_thread.h"
 #include "daemon/trajectory_sink.h"
 
 namespace cliquevo::daemon {
@@ -25,6 +26,7 @@ struct Output {
   Publisher publisher;
   ImageTap tap;
   FeatureTap feature_tap;
+  std::unique_ptr<PointsThread> points;  // none: nobody asked for them
   StereoModel model;
   std::optional<TrajectorySink> trajectory;
   SentCounts sent;

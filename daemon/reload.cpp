@@ -22,6 +22,11 @@ constexpr Effect kEffects[] = {
     {"log.level", [](const Config& config, Output&, Recording&) { set_up_log(config.log_level); }, ""},
     {"lcm.images_rate_hz",
      [](const Config& config, Output& output, Recording&) { output.tap.set_rate(config.lcm.images_rate_hz); }, ""},
+    {"lcm.points_rate_hz",
+     [](const Config& config, Output& output, Recording&) {
+       if (output.points) output.points->set_rate(config.lcm.points_rate_hz);
+     },
+     ""},
     {"recording.", [](const Config& config, Output&, Recording& recording) { recording.configure(config.recording); },
      ", from the next recording on"},
 };

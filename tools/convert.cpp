@@ -79,6 +79,11 @@ class BagTarget final : public Target {
     for (; poses_ < logged_.poses.size() && logged_.poses[poses_].utime <= up_to; ++poses_) {
       if (auto ok = bag_.add(logged_.poses[poses_]); !ok) return ok;
     }
+    for (; points_ < logged_.points.size() && logged_.points.utime(points_) <= up_to; ++points_) {
+      const auto points = logged_.points.read(points_);
+      if (!points) continue;
+      if (auto ok = bag_.add(*points); !ok) return ok;
+    }
     return {};
   }
 
@@ -86,6 +91,7 @@ class BagTarget final : public Target {
   LoggedPoses logged_;
   std::size_t odometry_ = 0;
   std::size_t poses_ = 0;
+  std::size_t points_ = 0;
 };
 
 class FolderTarget final : public Target {

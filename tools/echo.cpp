@@ -81,7 +81,7 @@ void add_echo_command(CLI::App& app, int& exit_code) {
       ->type_name("N");
   echo->add_option("--lcm", arguments->url, "LCM URL")->type_name("URL")->capture_default_str();
   echo->footer(
-      "Of images the sizes are printed, not the pixels.\n"
+      "Of images the sizes and the camera are printed, not the pixels.\n"
       "Examples:\n"
       "  cliquevo echo VO_HEALTH\n"
       "  cliquevo echo POSE_BODY --json | jq .pos");

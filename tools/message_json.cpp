@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/message_json.h"
 
+#include <algorithm>
 #include <cstdint>
+#include <string>
 
 #include <cliquevo/command_t.hpp>
 #include <cliquevo/features_t.hpp>
 #include <cliquevo/health_t.hpp>
 #include <cliquevo/images_t.hpp>
 #include <cliquevo/movers_t.hpp>
+#include <cliquevo/odometry_t.hpp>
+#include <cliquevo/points_t.hpp>
 #include <cliquevo/pose_t.hpp>
 #include <cliquevo/status_t.hpp>
 #include <cliquevo/update_t.hpp>
@@ -27,11 +31,31 @@ json json_of(const pose_t& m) {
           {"accel", m.accel}};
 }
 
+json rows_of(const double (&matrix)[6][6]) {
+  json out = json::array();
+  for (const auto& row : matrix) out.push_back(row);
+  return out;
+}
+
 json json_of(const update_t& m) {
-  json covariance = json::array();
-  for (const auto& row : m.covariance) covariance.push_back(row);
-  return {{"timestamp", m.timestamp}, {"prev_timestamp", m.prev_timestamp}, {"translation", m.translation},
-          {"rotation", m.rotation},   {"covariance", covariance},           {"estimate_status", m.estimate_status}};
+  return {{"timestamp", m.timestamp}, {"prev_timestamp", m.prev_timestamp},  {"translation", m.translation},
+          {"rotation", m.rotation},   {"covariance", rows_of(m.covariance)}, {"estimate_status", m.estimate_status}};
+}
+
+json json_of(const odometry_t& m) {
+  return {{"utime", m.utime},
+          {"publish_utime", m.publish_utime},
+          {"prev_utime", m.prev_utime},
+          {"position", m.position},
+          {"orientation", m.orientation},
+          {"pose_covariance", rows_of(m.pose_covariance)},
+          {"velocity", m.velocity},
+          {"rotation_rate", m.rotation_rate},
+          {"twist_covariance", rows_of(m.twist_covariance)},
+          {"quality", m.quality},
+          {"status", m.status},
+          {"pose_is_guess", m.pose_is_guess != 0},
+          {"reset_counter", m.reset_counter}};
 }
 
 json json_of(const status_t& m) {
@@ -111,8 +135,6 @@ json json_of(const health_t& m) {
 }
 
 json json_of(const mover_t& m) {
-  json covariance = json::array();
-  for (const auto& row : m.covariance) covariance.push_back(row);
   return {{"id", m.id},
           {"frames", m.frames},
           {"of_vehicle", m.of_vehicle != 0},
@@ -120,7 +142,7 @@ json json_of(const mover_t& m) {
           {"velocity", m.velocity},
           {"translation", m.translation},
           {"rotation", m.rotation},
-          {"covariance", covariance},
+          {"covariance", rows_of(m.covariance)},
           {"reprojection_error_px", m.reprojection_error_px},
           {"inliers", m.inliers},
           {"pixel", m.pixel},
@@ -156,6 +178,32 @@ json json_of(const features_t& m) {
           {"role", m.role}};
 }
 
+json json_of(const points_t& m) {
+  return {{"utime", m.utime},
+          {"camera_position", m.camera_position},
+          {"step_px", m.step_px},
+          {"x", m.x},
+          {"y", m.y},
+          {"z", m.z},
+          {"sigma", m.sigma},
+          {"grey", m.grey}};
+}
+
+bool is_plain_text(const auto& bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](auto c) { return c >= 0x20 && c < 0x7F; });
+}
+
+// What is text: of VO_IMAGES the camera.
+json metadata_of(const image_t& image) {
+  json out = json::object();
+  for (const image_metadata_t& entry : image.metadata) {
+    if (is_plain_text(entry.key) && is_plain_text(entry.value)) {
+      out[entry.key] = std::string(entry.value.begin(), entry.value.end());
+    }
+  }
+  return out;
+}
+
 json json_of(const images_t& m) {
   json images = json::array();
   for (const image_t& image : m.images) {
@@ -163,7 +211,8 @@ json json_of(const images_t& m) {
                       {"height", image.height},
                       {"row_stride", image.row_stride},
                       {"pixelformat", image.pixelformat},
-                      {"size", image.size}});
+                      {"size", image.size},
+                      {"metadata", metadata_of(image)}});
   }
   return {{"utime", m.utime}, {"image_types", m.image_types}, {"images", images}};
 }
@@ -190,8 +239,9 @@ Type type() {
 }  // namespace
 
 std::optional<json> message_json(const void* data, std::size_t size) {
-  static const Type types[] = {type<pose_t>(),   type<update_t>(),   type<status_t>(), type<health_t>(),
-                               type<movers_t>(), type<features_t>(), type<images_t>(), type<command_t>()};
+  static const Type types[] = {type<pose_t>(),   type<update_t>(), type<status_t>(),   type<odometry_t>(),
+                               type<health_t>(), type<movers_t>(), type<features_t>(), type<images_t>(),
+                               type<points_t>(), type<command_t>()};
   constexpr std::size_t kMostBytes = std::size_t{1} << 30U;
   if (size < 8 || size > kMostBytes) return std::nullopt;
   std::uint64_t fingerprint = 0;

@@ -10,7 +10,7 @@
 namespace cliquevo::tools {
 
 // The type is recognised by the fingerprint at the message's beginning; none: not one of our types, or damaged. Of
-// images the sizes alone, not the pixels.
+// images the sizes and the camera alone, not the pixels.
 std::optional<nlohmann::ordered_json> message_json(const void* data, std::size_t size);
 
 }  // namespace cliquevo::tools

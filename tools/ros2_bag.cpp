@@ -3,40 +3,20 @@
 
 #include <map>
 #include <utility>
-#include <vector>
 
 #include <Eigen/Geometry>
 
+#include "daemon/ros2/messages.h"
+#include "daemon/ros2/thinned_path.h"
 #include "drivers/bags/mcap_writer.h"
 #include "drivers/bags/ros2_definitions.h"
 #include "stereo/rectification.h"
-#include "tools/ros2_messages.h"
 
 namespace cliquevo::tools {
 
 namespace {
 
 constexpr std::int64_t kPathEvery_ns = 1'000'000'000;
-constexpr std::size_t kMostOfPath = 4096;
-
-// Where the body went, thinned evenly.
-class Path {
- public:
-  void add(const Eigen::Vector3d& position) {
-    if (seen_++ % every_ != 0) return;
-    points_.push_back(position.cast<float>());
-    if (points_.size() < kMostOfPath) return;
-    for (std::size_t i = 0; 2 * i < points_.size(); ++i) points_[i] = points_[2 * i];
-    points_.resize((points_.size() + 1) / 2);
-    every_ *= 2;
-  }
-  const std::vector<Eigen::Vector3f>& points() const { return points_; }
-
- private:
-  std::vector<Eigen::Vector3f> points_;
-  std::int64_t seen_ = 0;
-  std::int64_t every_ = 1;
-};
 
 }  // namespace
 
@@ -95,7 +75,7 @@ struct Ros2Bag::Impl {
   RigidTransform T_body_camera;
   std::map<std::string, std::uint16_t> channels;
   drivers::CdrWriter cdr;
-  Path path;
+  ros2::ThinnedPath path;
   TimestampNs path_ns = 0;  // of the path that was written last
   TimestampNs last_ns = 0;  // of the pose that was written last
 };
@@ -133,6 +113,11 @@ Result<void> Ros2Bag::add(const pose_t& m) {
   T.R = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
   T.t = {m.pos[0], m.pos[1], m.pos[2]};
   return impl_->write_pose(m.utime * 1000, T);
+}
+
+Result<void> Ros2Bag::add(const points_t& m) {
+  ros2::put_points(m, impl_->cdr);
+  return impl_->write("/stereo/points2", "sensor_msgs", "PointCloud2", m.utime * 1000);
 }
 
 Result<void> Ros2Bag::finish() {

@@ -6,6 +6,7 @@
 #include <string>
 
 #include <cliquevo/odometry_t.hpp>
+#include <cliquevo/points_t.hpp>
 #include <cliquevo/pose_t.hpp>
 
 #include "core/base/result.h"
@@ -26,6 +27,7 @@ class Ros2Bag {
   Result<void> add(const odometry_t& m);
   // Of logs without odometry_t: without covariance, so as pose and transform alone.
   Result<void> add(const pose_t& m);
+  Result<void> add(const points_t& m);
   Result<void> finish();
   std::int64_t bytes() const;
 

@@ -47,7 +47,7 @@ Result<std::unique_ptr<drivers::FrameSource>> open_referenced(const ViewArgument
 }
 
 Result<std::unique_ptr<view::Feed>> open_feed(const ViewArguments& arguments, const daemon::Config& config) {
-  if (!arguments.lcm_url.empty()) return view::open_lcm_feed(arguments.lcm_url);
+  if (!arguments.lcm_url.empty()) return view::open_lcm_feed(arguments.lcm_url, config.T_body_camera);
   auto source = open_referenced(arguments, config);
   if (!source) return source.error();
   auto pipeline = daemon::FramePipeline::make({config.stereo, config.odometry, config.rectify}, (*source)->info());
@@ -116,6 +116,12 @@ void add_view_command(CLI::App& app, int& exit_code, const std::string& version)
                    "token, without which nothing is served")
       ->capture_default_str()
       ->type_name("ADDR");
+  command
+      ->add_option("--allow-origin", server.viewer_origins,
+                   "Whose pages may connect as a viewer (foxglove.websocket.v1), e.g. http://localhost:8080; again for "
+                   "more")
+      ->type_name("ORIGIN")
+      ->allow_extra_args(false);
   command->add_option("--keep-mb", arguments->options.keep_mb, "Most of pictures kept, in a file in TMPDIR (/var/tmp)")
       ->check(CLI::Range(std::int64_t{64}, std::int64_t{1} << 20))
       ->capture_default_str()
@@ -129,6 +135,7 @@ void add_view_command(CLI::App& app, int& exit_code, const std::string& version)
       "Prints the page's address and serves until Ctrl-C. Of a daemon it shows what is sent: pictures, features and\n"
       "movers where lcm.images_channel, lcm.features_channel and lcm.movers_channel name VO_IMAGES, VO_FEATURES and\n"
       "VO_MOVERS.\n"
+      "Viewers that speak foxglove.websocket.v1 (Foxglove, Lichtblick) connect to the same port: ws://127.0.0.1:8470.\n"
       "Examples:\n"
       "  cliquevo view sim:frames=300,movers=3 --open\n"
       "  cliquevo view /data/drive_0027\n"

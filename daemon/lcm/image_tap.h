@@ -40,7 +40,7 @@ class ImageTap {
   void set_rate(double rate_hz);
 
   // Odometry thread: copies when a picture is due and the last one has been taken. No allocation, no lock.
-  // All of the size that was told.
+  // All of the size that was told; `right` may be empty where it is not asked for.
   void offer(TimestampNs stamp_ns, ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
              ImageView<const std::int16_t> disparity);
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "daemon/lcm/messages.h"
@@ -55,8 +56,10 @@ void put(const Matrix6d& M, double (&out)[6][6]) {
 
 }  // namespace
 
-Matrix6d accumulated(const Matrix6d& before, const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved,
-                     const Matrix6d& delta) {
+PoseCovariance::PoseCovariance() : matrix_(start_covariance()), last_(Matrix6d::Zero()) {}
+
+void PoseCovariance::add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved, const Matrix6d& delta,
+                         bool follows) {
   // p = p0 + R0 t, R = R0 dR; the delta's perturbation (a, b) makes t + a + b x t and exp(b) dR of them.
   Matrix6d F = Matrix6d::Identity();
   F.topRightCorner<3, 3>() = -cross(R_before * moved);
@@ -64,7 +67,15 @@ Matrix6d accumulated(const Matrix6d& before, const Eigen::Matrix3d& R_before, co
   G.topLeftCorner<3, 3>() = R_before;
   G.topRightCorner<3, 3>() = -R_before * cross(moved);
   G.bottomRightCorner<3, 3>() = R_before;
-  return F * before * F.transpose() + G * delta * G.transpose();
+  const Eigen::LLT<Matrix6d> root(delta);
+  const bool usable = root.info() == Eigen::Success && delta.allFinite();
+  const Matrix6d now = usable ? Matrix6d(G * Matrix6d(root.matrixL())) : Matrix6d::Zero();
+  matrix_ = F * matrix_ * F.transpose() + G * delta * G.transpose();
+  if (follows) {
+    const Matrix6d shared = F * last_ * now.transpose();
+    matrix_ -= kTakenBack * (shared + shared.transpose());
+  }
+  last_ = now;
 }
 
 OdometryBuilder::OdometryBuilder(const RigidTransform& T_body_camera)
@@ -77,7 +88,7 @@ RigidTransform OdometryBuilder::body_pose(const vo::Estimate& e) const {
 }
 
 void OdometryBuilder::start(const vo::Estimate& e, bool usable) {
-  valid_ = State{usable ? body_pose(e) : RigidTransform{}, start_covariance(), e.stamp_ns};
+  valid_ = State{usable ? body_pose(e) : RigidTransform{}, PoseCovariance(), e.stamp_ns};
   shown_ = *valid_;
   guessed_ = false;
   twist_ = {};
@@ -87,7 +98,8 @@ void OdometryBuilder::start(const vo::Estimate& e, bool usable) {
 void OdometryBuilder::follow(const vo::Estimate& e) {
   const RigidTransform T = T_body_camera_ * e.T_prev_cur * T_camera_body_;
   const Matrix6d delta = adjoint_body_camera_ * e.covariance * adjoint_body_camera_.transpose();
-  State now{body_pose(e), accumulated(valid_->covariance, valid_->T_odom_body.R, T.t, delta), e.stamp_ns};
+  State now{body_pose(e), valid_->covariance, e.stamp_ns};
+  now.covariance.add(valid_->T_odom_body.R, T.t, delta, !guessed_);
   if (guessed_ && is_jump(now)) ++reset_counter_;
   const double dt_s = std::max(1e-6, static_cast<double>(e.stamp_ns - e.prev_stamp_ns) * 1e-9);
   twist_.velocity = T.R.transpose() * T.t / dt_s;
@@ -104,12 +116,11 @@ void OdometryBuilder::follow(const vo::Estimate& e) {
 
 // The guess and its covariance are since the last valid frame.
 void OdometryBuilder::carry_on(const vo::Estimate& e, bool usable) {
-  State now{usable ? body_pose(e) : shown_.T_odom_body, shown_.covariance, e.stamp_ns};
+  State now{usable ? body_pose(e) : shown_.T_odom_body, valid_->covariance, e.stamp_ns};
   const Eigen::Matrix3d& R = valid_->T_odom_body.R;
   const Eigen::Vector3d moved = R.transpose() * (now.T_odom_body.t - valid_->T_odom_body.t);
   const Matrix6d guess = usable ? e.covariance : Matrix6d::Identity() * kUnknownVariance;
-  now.covariance =
-      accumulated(valid_->covariance, R, moved, adjoint_body_camera_ * guess * adjoint_body_camera_.transpose());
+  now.covariance.add(R, moved, adjoint_body_camera_ * guess * adjoint_body_camera_.transpose(), false);
   twist_.covariance = Matrix6d::Identity() * kUnknownVariance;
   shown_ = now;
   guessed_ = true;
@@ -146,7 +157,7 @@ void OdometryBuilder::build(const PublishedFrame& frame, bool usable, TimestampN
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
   out.orientation[0] = q.w();
   for (int i = 0; i < 3; ++i) out.orientation[i + 1] = q.vec()[i];
-  put(sendable(shown_.covariance), out.pose_covariance);
+  put(sendable(shown_.covariance.matrix()), out.pose_covariance);
   put(twist_.velocity, out.velocity);
   put(twist_.rotation_rate, out.rotation_rate);
   put(sendable(twist_.covariance), out.twist_covariance);

@@ -126,6 +126,11 @@ bool Publisher::publish(const TappedFeatures& features, const StereoModel& model
   return m.features.send(*m.sender, m.copy, m.features_message);
 }
 
+bool Publisher::pass_on(const std::string& channel, const std::uint8_t* data, std::size_t size, bool send) {
+  if (impl_->copy) impl_->copy(channel, data, size);
+  return !send || impl_->sender->send(channel, data, size);
+}
+
 bool Publisher::publish(const health_t& health) { return impl_->health.send(*impl_->sender, impl_->copy, health); }
 
 }  // namespace cliquevo::daemon

@@ -33,6 +33,9 @@ class Publisher {
   bool publish(const TappedImages& images, const StereoModel& model);
   // VO_FEATURES, likewise.
   bool publish(const TappedFeatures& features, const StereoModel& model);
+  // A message that was encoded elsewhere, from the thread that publishes frames: to whoever gets copies, and, where
+  // `send`, out.
+  bool pass_on(const std::string& channel, const std::uint8_t* data, std::size_t size, bool send);
   // VO_HEALTH; may be called from another thread than the one above.
   bool publish(const health_t& health);
 

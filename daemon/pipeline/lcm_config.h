@@ -15,11 +15,14 @@ struct LcmConfig {
   std::string odometry_channel = "VO_ODOMETRY";
   std::string delta_body_channel;  // empty = off, as all that are not required
   std::string images_channel;
+  std::string points_channel;
   std::string movers_channel;
   std::string features_channel;
   std::string health_channel = "VO_HEALTH";
   double images_rate_hz = 2.0;
   bool images_right = false;    // the right image, too
+  double points_rate_hz = 2.0;
+  int points_step_px = 4;
   std::string command_channel;  // received: see CommandReceiver
 };
 
@@ -41,6 +44,8 @@ inline constexpr LcmChannel kLcmChannels[] = {
      "the camera's motion as the body's, e.g. VO_DELTA_BODY; empty = not sent"},
     {"images_channel", &LcmConfig::images_channel, false,
      "rectified left image, disparity and mask, e.g. VO_IMAGES; empty = not sent"},
+    {"points_channel", &LcmConfig::points_channel, false,
+     "points of the disparity in the body frame, with sigma, e.g. VO_POINTS; empty = not sent"},
     {"movers_channel", &LcmConfig::movers_channel, false,
      "things that move by themselves, e.g. VO_MOVERS; empty = not sent"},
     {"features_channel", &LcmConfig::features_channel, false,

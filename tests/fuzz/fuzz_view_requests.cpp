@@ -6,6 +6,7 @@
 
 #include "tests/fuzz/expect.h"
 #include "tools/view/access.h"
+#include "tools/view/foxglove_protocol.h"
 #include "tools/view/page_files.h"
 
 using namespace cliquevo::view;
@@ -14,7 +15,10 @@ using cliquevo::fuzz::expect;
 extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   if (const auto command = parse_command(text)) expect(command->parts <= 15U, "parts are those there are");
-  std::vector<std::string_view> lines(5);
+  if (const auto request = parse_foxglove_request(text)) {
+    expect(request->subscribe.size() + request->unsubscribe.size() <= kMostFoxgloveBytes, "no more than was written");
+  }
+  std::vector<std::string_view> lines(6);
   std::string_view rest = text;
   for (std::string_view& line : lines) {
     const std::size_t end = std::min(rest.find('\n'), rest.size());
@@ -23,8 +27,8 @@ extern "C" int LLVMFuzzerTestOneInput(const unsigned char* data, std::size_t siz
   }
   const std::string secret = "0123456789abcdef0123456789abcdef";
   for (const std::string& token : {std::string(), secret}) {
-    const AccessRules rules{8470, token};
-    const Judgement j = judge({lines[0], lines[1], lines[2], lines[3], lines[4], size % 2 == 0}, rules);
+    const AccessRules rules{8470, token, {}};
+    const Judgement j = judge({lines[0], lines[1], lines[2], lines[3], lines[4], size % 2 == 0, lines[5]}, rules);
     expect(j.status == 200 || j.status == 403 || j.status == 404 || j.status == 405 || j.status == 421,
            "a known answer");
     if (j.status != 200) continue;

@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """A KITTI odometry folder as bags by other writers than ours, for tests.
 
-  write_bag.py FOLDER OUT.bag [none|bz2|lz4]   by python3-rosbag
-  write_bag.py FOLDER OUT.db3 [none|zstd]      by sqlite3, as rosbag2 lays its tables out
-  write_bag.py FOLDER OUT.jsonl                messages for write_mcap.mjs
+  write_bag.py FOLDER OUT.bag [none|bz2|lz4 [TIMES]]   by python3-rosbag
+  write_bag.py FOLDER OUT.db3 [none|zstd [TIMES]]      by sqlite3, as rosbag2 lays its tables out
+  write_bag.py FOLDER OUT.jsonl                        messages for write_mcap.mjs
+
+TIMES: the folder so often, each time a second later.
 """
 import base64
 import json
@@ -21,30 +23,30 @@ START_S = 1_700_000_000  # of folders whose times begin at 0
 TOPICS = ("/stereo/{}/image_raw", "/stereo/{}/camera_info")
 
 
-def read_folder(folder):
+def read_folder(folder, times=1):
     """Projections, and (stamp in ns, left, right) of each pair."""
     with open(f"{folder}/calib.txt", encoding="ascii") as file:
         rows = dict(line.split(":", 1) for line in file if ":" in line)
     projections = [[float(v) for v in rows[name].split()] for name in ("P0", "P1")]
     with open(f"{folder}/times.txt", encoding="ascii") as file:
-        times = [Decimal(line) for line in file if line.strip()]
-    start = START_S if times[0] < 10**8 else 0
-    stamps = [int((start + time) * 10**9) for time in times]
+        seconds = [Decimal(line) for line in file if line.strip()]
+    start = START_S if seconds[0] < 10**8 else 0
+    stamps = [int((start + time) * 10**9) for time in seconds]
     names = sorted(os.listdir(f"{folder}/image_0"))
     pairs = [(stamp, *(np.array(Picture.open(f"{folder}/image_{camera}/{name}").convert("L")) for camera in (0, 1)))
              for stamp, name in zip(stamps, names)]
-    return projections, pairs
+    return projections, [(stamp + later * 10**9, left, right) for later in range(times) for stamp, left, right in pairs]
 
 
 def intrinsics(P):
     return [P[0], 0.0, P[2], 0.0, P[5], P[6], 0.0, 0.0, 1.0], [1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0]
 
 
-def write_ros1(folder, out, compression):
+def write_ros1(folder, out, compression, times):
     import rosbag
     import rospy
     from sensor_msgs.msg import CameraInfo, Image
-    projections, pairs = read_folder(folder)
+    projections, pairs = read_folder(folder, times)
     with rosbag.Bag(out, "w", compression=compression, chunk_threshold=256 * 1024) as bag:
         for stamp_ns, *images in pairs:
             stamp = rospy.Time(stamp_ns // 10**9, stamp_ns % 10**9)
@@ -97,12 +99,12 @@ def cdr_messages(stamp_ns, P, pixels):
     return image.block(pixels.tobytes()).done(), info.done()
 
 
-def write_ros2(folder, out, compression):
+def write_ros2(folder, out, compression, times):
     pack = bytes
     if compression == "zstd":
         import zstandard
         pack = zstandard.ZstdCompressor(1).compress
-    projections, pairs = read_folder(folder)
+    projections, pairs = read_folder(folder, times)
     db = sqlite3.connect(out)
     db.executescript("""
       CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT NOT NULL, type TEXT NOT NULL,
@@ -123,8 +125,8 @@ def write_ros2(folder, out, compression):
     db.close()
 
 
-def write_lines(folder, out, _):
-    projections, pairs = read_folder(folder)
+def write_lines(folder, out, _, times):
+    projections, pairs = read_folder(folder, times)
     with open(out, "w", encoding="ascii") as file:
         for stamp_ns, *images in pairs:
             for side, P, pixels in zip(("left", "right"), projections, images):
@@ -136,4 +138,5 @@ def write_lines(folder, out, _):
 
 if __name__ == "__main__":
     writer = {".bag": write_ros1, ".db3": write_ros2, ".jsonl": write_lines}[os.path.splitext(sys.argv[2])[1]]
-    writer(sys.argv[1], sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else "none")
+    writer(sys.argv[1], sys.argv[2], sys.argv[3] if len(sys.argv) > 3 else "none",
+           int(sys.argv[4]) if len(sys.argv) > 4 else 1)

@@ -49,6 +49,8 @@ void Subprocess::send(int signal) const {
   if (pid_ > 0) ::kill(pid_, signal);
 }
 
+std::string Subprocess::printed() const { return read_file(folder_ + "/out"); }
+
 Finished Subprocess::wait(double timeout_s) {
   Finished out;
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);

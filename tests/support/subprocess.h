@@ -28,6 +28,8 @@ class Subprocess {
 
   pid_t pid() const { return pid_; }
   void send(int signal) const;
+  // What it has printed so far.
+  std::string printed() const;
   // Waits for its end; kills it after timeout_s, which shows as exit code 137.
   Finished wait(double timeout_s = 240.0);
 

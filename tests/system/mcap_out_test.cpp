@@ -2,6 +2,7 @@
 // MCAPs that cliquevo writes, read by others' code to the bit.
 #include <csignal>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -9,6 +10,7 @@
 #include <vector>
 
 #include <cliquevo/odometry_t.hpp>
+#include <cliquevo/points_t.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -49,6 +51,28 @@ odometry_t odometry_at(TimestampNs stamp_ns, int n) {
   return m;
 }
 
+points_t points_at(TimestampNs stamp_ns, int n) {
+  points_t m{};
+  m.utime = stamp_ns / 1000;
+  m.step_px = 4;
+  m.num_points = 3 + n;
+  for (int i = 0; i < m.num_points; ++i) {
+    m.x.push_back(1.0F + static_cast<float>(i) / 7.0F);
+    m.y.push_back(static_cast<float>(n) - static_cast<float>(i) / 3.0F);
+    m.z.push_back(-0.1F * static_cast<float>(i));
+    m.sigma.push_back(0.01F * static_cast<float>(1 + i));
+    m.grey.push_back(static_cast<std::uint8_t>(200 + i));
+  }
+  return m;
+}
+
+template <typename Message>
+void add(const std::string& channel, const Message& m, drivers::Recorder& recorder) {
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(m.getEncodedSize()));
+  m.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
+  recorder.add(channel, bytes.data(), bytes.size(), m.utime);
+}
+
 struct Original {
   std::vector<drivers::StereoPair> pairs;
   StereoModel model;
@@ -74,10 +98,8 @@ Original made_log() {
     const auto more = (*source)->next(pair);
     if (!more.ok() || !*more) break;
     recorder->add(pair, pair.stamp_ns / 1000);
-    const odometry_t m = odometry_at(pair.stamp_ns, n);
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(m.getEncodedSize()));
-    m.encode(bytes.data(), 0, static_cast<int>(bytes.size()));
-    recorder->add("VO_ODOMETRY", bytes.data(), bytes.size(), m.utime);
+    add("VO_ODOMETRY", odometry_at(pair.stamp_ns, n), *recorder);
+    add("VO_POINTS", points_at(pair.stamp_ns, n), *recorder);
     out.pairs.push_back(std::move(pair));
   }
   EXPECT_TRUE(recorder->stop().ok());
@@ -180,6 +202,54 @@ void expect_odometry(const Topics& topics, const Original& original) {
   EXPECT_EQ(path["point_step"], 12);
 }
 
+// The bytes of a base64 text.
+std::string bytes_of(const std::string& text) {
+  static const std::string digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  unsigned bits = 0;
+  int count = 0;
+  for (const char c : text) {
+    if (c == '=') break;
+    bits = bits << 6U | static_cast<unsigned>(digits.find(c));
+    count += 6;
+    if (count < 8) continue;
+    count -= 8;
+    out += static_cast<char>(bits >> static_cast<unsigned>(count) & 255U);
+  }
+  return out;
+}
+
+void expect_points(const Topics& topics, const Original& original) {
+  const auto& clouds = topics.at("/stereo/points2");
+  ASSERT_EQ(clouds.size(), original.pairs.size());
+  for (std::size_t n = 0; n < clouds.size(); ++n) {
+    const points_t m = points_at(original.pairs[n].stamp_ns, static_cast<int>(n));
+    const json& cloud = clouds[n]["message"];
+    expect_stamp(cloud["header"], m.utime * 1000);
+    EXPECT_EQ(cloud["header"]["frame_id"], "base_link");
+    EXPECT_EQ(cloud["height"], 1);
+    ASSERT_EQ(cloud["width"], m.num_points);
+    EXPECT_EQ(cloud["point_step"], 20);
+    EXPECT_EQ(cloud["row_step"], 20 * m.num_points);
+    EXPECT_EQ(cloud["is_dense"], true);
+    const char* names[5] = {"x", "y", "z", "sigma", "intensity"};
+    ASSERT_EQ(cloud["fields"].size(), 5U);
+    for (std::size_t k = 0; k < 5; ++k) {
+      EXPECT_EQ(cloud["fields"][k]["name"], names[k]);
+      EXPECT_EQ(cloud["fields"][k]["offset"], 4 * k);
+      EXPECT_EQ(cloud["fields"][k]["datatype"], 7);
+    }
+    const std::string data = bytes_of(cloud["data"]);
+    ASSERT_EQ(data.size(), 20U * static_cast<std::size_t>(m.num_points));
+    for (std::size_t i = 0; i < m.x.size(); ++i) {
+      float values[5];
+      std::memcpy(values, data.data() + 20 * i, sizeof values);
+      const float expected[5] = {m.x[i], m.y[i], m.z[i], m.sigma[i], static_cast<float>(m.grey[i])};
+      for (int k = 0; k < 5; ++k) EXPECT_EQ(values[k], expected[k]);
+    }
+  }
+}
+
 TEST(McapOut, AConvertedLogIsReadByOthersToTheBit) {
   const Original original = made_log();
   const std::string out = scratch_dir() + "/out.mcap";
@@ -189,6 +259,7 @@ TEST(McapOut, AConvertedLogIsReadByOthersToTheBit) {
   expect_images(topics, original, true);
   expect_images(topics, original, false);
   expect_odometry(topics, original);
+  expect_points(topics, original);
 }
 
 TEST(McapOut, ARecordedOneHoldsEveryPairAndIsNotOverwritten) {

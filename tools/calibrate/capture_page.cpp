@@ -63,13 +63,14 @@ Result<std::unique_ptr<CapturePage>> CapturePage::open(const view::ServerOptions
     return text_of({{"op", "hello"}, {"source", source}, {"version", version}, {"across", kCellsAcross}});
   };
   telling.state = [self] { return self->state(); };
+  telling.mask = [] { return nullptr; };
   telling.metrics = [] { return std::string(); };
   telling.command = [self](view::PageCommand::What what) {
     if (what == view::PageCommand::What::take_view) self->take_ = true;
     if (what == view::PageCommand::What::drop_view) self->drop_ = true;
     if (what == view::PageCommand::What::finish) self->finish_ = true;
   };
-  auto server = view::Server::open(options, *page->store_, std::move(telling));
+  auto server = view::Server::open(options, *page->store_, page->topics_, std::move(telling));
   if (!server) return server.error();
   page->server_ = std::move(*server);
   page->thread_ = std::thread([self] { self->server_->run([self] { return self->ending_.load(); }); });

@@ -43,6 +43,7 @@ class CapturePage {
   std::string state() const;
 
   std::unique_ptr<view::Store> store_;
+  view::Ros2Topics topics_;  // none: viewers see nothing here
   std::unique_ptr<view::Server> server_;
   view::JpegEncoder jpeg_;
   mutable std::mutex mutex_;

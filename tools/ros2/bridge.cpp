@@ -13,10 +13,10 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "daemon/ros2/messages.h"
 #include "tools/ros2/dds_writer.h"
-#include "tools/ros2_messages.h"
 
-namespace cliquevo::tools::ros2 {
+namespace cliquevo::ros2 {
 
 namespace {
 
@@ -128,6 +128,7 @@ struct Bridge::Impl {
   dds_entity_t diagnostics = 0;
   dds_entity_t left = 0;
   dds_entity_t disparity = 0;
+  dds_entity_t points = 0;
   std::vector<std::uint8_t> pixels;
 };
 
@@ -156,6 +157,9 @@ Result<Bridge> Bridge::start(const BridgeOptions& options) {
   if (options.images) {
     all.push_back({&impl->left, &sensor_msgs_msg_dds__Image__desc, "/stereo/left/image_rect", Kind::stream, 5});
     all.push_back({&impl->disparity, &sensor_msgs_msg_dds__Image__desc, "/stereo/disparity", Kind::stream, 5});
+  }
+  if (options.points) {
+    all.push_back({&impl->points, &sensor_msgs_msg_dds__PointCloud2__desc, "/stereo/points2", Kind::stream, 5});
   }
   for (const Wanted& one : all) {
     const auto writer = impl->participant.add_writer(*one.type, one.topic, one.kind, one.depth);
@@ -189,4 +193,34 @@ void Bridge::publish(const images_t& m) {
   }
 }
 
-}  // namespace cliquevo::tools::ros2
+void Bridge::publish(const points_t& m) {
+  if (impl_->points == 0) return;
+  constexpr std::uint8_t kFloat32 = 7;
+  constexpr std::uint32_t kStep = 4 * kPointFields.size();
+  const std::size_t count = count_of(m);
+  std::array<sensor_msgs_msg_dds__PointField_, kPointFields.size()> fields{};
+  for (std::size_t k = 0; k < fields.size(); ++k) {
+    fields[k] = {text(kPointFields[k]), static_cast<std::uint32_t>(4 * k), kFloat32, 1};
+  }
+  std::vector<std::uint8_t>& data = impl_->pixels;
+  data.resize(kStep * count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::array<float, kPointFields.size()> values{m.x[i], m.y[i], m.z[i], m.sigma[i],
+                                                        static_cast<float>(m.grey[i])};
+    std::memcpy(data.data() + kStep * i, values.data(), kStep);
+  }
+  sensor_msgs_msg_dds__PointCloud2_ out{};
+  out.header = header(m.utime, kBodyFrame);
+  out.height = 1;
+  out.width = static_cast<std::uint32_t>(count);
+  out.fields._maximum = out.fields._length = static_cast<std::uint32_t>(fields.size());
+  out.fields._buffer = fields.data();
+  out.point_step = kStep;
+  out.row_step = kStep * out.width;
+  out.data._maximum = out.data._length = static_cast<std::uint32_t>(data.size());
+  out.data._buffer = data.data();
+  out.is_dense = true;
+  dds_write(impl_->points, &out);
+}
+
+}  // namespace cliquevo::ros2

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-namespace cliquevo::tools::ros2 {
+namespace cliquevo::ros2 {
 
 namespace {
 
@@ -51,4 +51,4 @@ Result<dds_entity_t> DdsParticipant::add_writer(const dds_topic_descriptor_t& ty
   return writer;
 }
 
-}  // namespace cliquevo::tools::ros2
+}  // namespace cliquevo::ros2

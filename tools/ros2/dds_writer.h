@@ -8,7 +8,7 @@
 
 #include "core/base/result.h"
 
-namespace cliquevo::tools::ros2 {
+namespace cliquevo::ros2 {
 
 class DdsParticipant {
  public:
@@ -30,4 +30,4 @@ class DdsParticipant {
   dds_entity_t entity_ = 0;
 };
 
-}  // namespace cliquevo::tools::ros2
+}  // namespace cliquevo::ros2

@@ -27,7 +27,8 @@ struct Arguments {
   std::string config;
   std::string lcm_url;
   std::string odometry_channel;
-  std::string images_channel = "VO_IMAGES";
+  std::string images_channel;
+  std::string points_channel;
   ros2::BridgeOptions bridge;
 };
 
@@ -39,6 +40,7 @@ class Handlers {
     ++count_;
   }
   void on_images(const lcm::ReceiveBuffer*, const std::string&, const images_t* m) { bridge_.publish(*m); }
+  void on_points(const lcm::ReceiveBuffer*, const std::string&, const points_t* m) { bridge_.publish(*m); }
   long long count() const { return count_; }
 
  private:
@@ -55,6 +57,8 @@ int run(Arguments arguments) {
   }
   if (arguments.lcm_url.empty()) arguments.lcm_url = config.lcm.url;
   if (arguments.odometry_channel.empty()) arguments.odometry_channel = config.lcm.odometry_channel;
+  arguments.images_channel = config.lcm.images_channel.empty() ? "VO_IMAGES" : config.lcm.images_channel;
+  arguments.points_channel = config.lcm.points_channel.empty() ? "VO_POINTS" : config.lcm.points_channel;
   arguments.bridge.T_body_camera = config.T_body_camera;
   if (auto ok = daemon::check_lcm_url(arguments.lcm_url); !ok) return report(ok.error());
   auto bridge = ros2::Bridge::start(arguments.bridge);
@@ -64,6 +68,7 @@ int run(Arguments arguments) {
   Handlers handlers(*bridge);
   lcm.subscribe(arguments.odometry_channel, &Handlers::on_odometry, &handlers);
   if (arguments.bridge.images) lcm.subscribe(arguments.images_channel, &Handlers::on_images, &handlers);
+  if (arguments.bridge.points) lcm.subscribe(arguments.points_channel, &Handlers::on_points, &handlers);
   const StopOnSignal signals;
   fmt::print("{} of {} to ROS 2, domain {}\n", arguments.odometry_channel, arguments.lcm_url, arguments.bridge.domain);
   std::fflush(stdout);
@@ -91,6 +96,7 @@ int parse_and_run(int argc, char** argv) {
       ->type_name("N");
   app.add_flag("--images", arguments.bridge.images,
                "/stereo/left/image_rect and /stereo/disparity too, of VO_IMAGES (lcm.images_channel)");
+  app.add_flag("--points", arguments.bridge.points, "/stereo/points2 too, of VO_POINTS (lcm.points_channel)");
   app.footer(
       "Frames: odom, base_link, camera_left_optical_frame. CYCLONEDDS_URI chooses the network, as for ROS 2 itself.");
   try {

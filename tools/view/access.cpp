@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/view/access.h"
 
+#include <algorithm>
 #include <arpa/inet.h>
 #include <charconv>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+
+#include "tools/view/foxglove_protocol.h"
 
 namespace cliquevo::view {
 
@@ -55,19 +58,25 @@ std::string_view value_of(std::string_view name, std::string_view text, char sep
 std::string cookie_name(const AccessRules& rules) { return fmt::format("cliquevo_{}", rules.port); }
 
 Judgement judge(const RequestHead& request, const AccessRules& rules) {
-  if (!names_us(request.host, rules)) return {421, {}, false};
-  if (!request.origin.empty() && request.origin != fmt::format("http://{}", request.host)) return {403, {}, false};
-  if (request.method != "GET" && request.method != "HEAD") return {405, {}, false};
+  const auto refused = [](int status) { return Judgement{status, {}, false, false}; };
+  if (!names_us(request.host, rules)) return refused(421);
   const std::size_t question = std::min(request.target.find('?'), request.target.size());
-  Judgement out{200, std::string(request.target.substr(0, question)), false};
+  Judgement out{200, std::string(request.target.substr(0, question)), false, false};
+  out.viewer = request.upgrade && out.path == "/" && offers_foxglove(request.protocols);
+  const bool invited = out.viewer && std::find(rules.viewer_origins.begin(), rules.viewer_origins.end(),
+                                               request.origin) != rules.viewer_origins.end();
+  if (!request.origin.empty() && !invited && request.origin != fmt::format("http://{}", request.host)) {
+    return refused(403);
+  }
+  if (request.method != "GET" && request.method != "HEAD") return refused(405);
   if (!rules.token.empty()) {
     const std::string_view query = request.target.substr(std::min(question + 1, request.target.size()));
     const bool in_address = same_secret(value_of("token", query, '&'), rules.token);
     const bool in_cookie = same_secret(value_of(cookie_name(rules), request.cookie, ';'), rules.token);
-    if (!in_address && !in_cookie) return {403, {}, false};
+    if (!in_address && !in_cookie) return refused(403);
     out.set_cookie = in_address;
   }
-  if (request.upgrade && out.path != "/live") return {404, {}, false};
+  if (request.upgrade && !out.viewer && out.path != "/live") return refused(404);
   return out;
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Where frames come from: something that fills the store on a thread of its own, and has a word on how it gets on.
+// Where frames come from: something that fills store and topics on a thread of its own, and has a word on how it gets
+// on.
 #pragma once
 
 #include <functional>
@@ -9,6 +10,8 @@
 
 #include "core/base/camera_model.h"
 #include "core/base/result.h"
+#include "core/base/rigid_transform.h"
+#include "tools/view/ros2_topics.h"
 #include "tools/view/store.h"
 
 namespace cliquevo::view {
@@ -33,12 +36,12 @@ class Feed {
   virtual bool live() const = 0;
   virtual std::string source() const = 0;
   // Until the source's end, an error or until stopped(); on a thread of its own.
-  virtual void run(Store& store, const std::function<bool()>& stopped) = 0;
+  virtual void run(Store& store, Ros2Topics& topics, const std::function<bool()>& stopped) = 0;
   // Any thread.
   virtual FeedState state() const = 0;
 };
 
-// Messages of a daemon. Fails where there is no route, in one line.
-Result<std::unique_ptr<Feed>> open_lcm_feed(const std::string& url);
+// Messages of a daemon. T_body_camera: as far as no message tells it. Fails where there is no route, in one line.
+Result<std::unique_ptr<Feed>> open_lcm_feed(const std::string& url, const RigidTransform& T_body_camera);
 
 }  // namespace cliquevo::view

@@ -14,6 +14,8 @@
 #include <cliquevo/health_t.hpp>
 #include <cliquevo/images_t.hpp>
 #include <cliquevo/movers_t.hpp>
+#include <cliquevo/odometry_t.hpp>
+#include <cliquevo/points_t.hpp>
 #include <cliquevo/pose_t.hpp>
 #include <cliquevo/status_t.hpp>
 #include <cliquevo/update_t.hpp>
@@ -24,6 +26,7 @@
 #include "daemon/lcm/lcm_url.h"
 #include "daemon/lcm/status_report.h"
 #include "tools/view/feed.h"
+#include "tools/view/ros2_writer.h"
 
 namespace cliquevo::view {
 
@@ -48,6 +51,9 @@ std::string with_room(const std::string& url) {
   if (!url.starts_with("udpm:") || url.find("recv_buf_size") != std::string::npos) return url;
   return url + (url.find('?') == std::string::npos ? '?' : '&') + "recv_buf_size=4194304";
 }
+
+// Whether it can be had in ns.
+bool is_time(std::int64_t utime) { return utime >= 0 && utime <= std::numeric_limits<std::int64_t>::max() / 1000; }
 
 // Messages of one frame.
 struct Pending {
@@ -133,12 +139,19 @@ bool holds(const image_t& image, int bytes_a_pixel) {
 
 class LcmFeed final : public Feed {
  public:
-  explicit LcmFeed(const std::string& url) : url_(url), lcm_(with_room(url)) {
+  LcmFeed(const std::string& url, const RigidTransform& T_body_camera)
+      : url_(url), lcm_(with_room(url)), T_body_camera_of_config_(T_body_camera) {
     subscribe<update_t>("VO_DELTA_CAMERA", [this](const update_t& m) { pending(m.timestamp).delta = m; });
     subscribe<pose_t>("POSE_BODY", [this](const pose_t& m) { pending(m.utime).pose = m; });
     subscribe<status_t>("VO_STATUS", [this](const status_t& m) { pending(m.utime).status = m; });
     subscribe<movers_t>("VO_MOVERS", [this](const movers_t& m) { pending(m.utime).movers = m; });
     subscribe<features_t>("VO_FEATURES", [this](const features_t& m) { pending(m.utime).features = m; });
+    subscribe<odometry_t>("VO_ODOMETRY", [this](const odometry_t& m) {
+      if (is_time(m.utime)) ros2_->add(m);
+    });
+    subscribe<points_t>("VO_POINTS", [this](const points_t& m) {
+      if (is_time(m.utime)) ros2_->add(m);
+    });
     subscribe<images_t>("VO_IMAGES", [this](const images_t& m) { take_images(m); });
     subscribe<health_t>("VO_HEALTH", [this](const health_t& m) { take_health(m); });
     state_.text = "no messages yet";
@@ -152,8 +165,9 @@ class LcmFeed final : public Feed {
     return state_;
   }
 
-  void run(Store& store, const std::function<bool()>& stopped) override {
+  void run(Store& store, Ros2Topics& topics, const std::function<bool()>& stopped) override {
     store_ = &store;
+    ros2_.emplace(topics, T_body_camera_of_config_);
     while (!stopped()) {
       const int got = lcm_.handleTimeout(40);
       if (got == 0) commit_before(std::numeric_limits<std::int64_t>::max());
@@ -249,6 +263,7 @@ class LcmFeed final : public Feed {
     take_checks(m, facts);
     if (!model.check()) return;
     T_body_camera_ = transform(m.camera_translation, m.camera_rotation);
+    ros2_->mount(T_body_camera_);
     if (count_++ % 3 == 0 && facts.status == status_t::VALID) {
       facts.points = some_points(features, kPointsOfAFrame, model, facts.T_world_body * T_body_camera_);
     }
@@ -259,6 +274,7 @@ class LcmFeed final : public Feed {
   }
 
   void take_images(const images_t& m) {
+    if (!is_time(m.utime)) return;
     FrameParts parts;
     for (std::size_t i = 0; i < std::min(m.images.size(), m.image_types.size()); ++i) {
       const image_t& image = m.images[i];
@@ -268,10 +284,12 @@ class LcmFeed final : public Feed {
       } else if (!holds(image, type == images_t::DISPARITY ? 2 : 1)) {
         continue;
       } else if (type == images_t::LEFT || type == images_t::RIGHT) {
-        Bytes& part = type == images_t::LEFT ? parts.left : parts.right;
-        part = jpeg_.encode({image.data.data(), image.width, image.height, image.row_stride}, kJpegQuality);
+        const ImageView<const std::uint8_t> view{image.data.data(), image.width, image.height, image.row_stride};
+        (type == images_t::LEFT ? parts.left : parts.right) = jpeg_.encode(view, kJpegQuality);
+        if (type == images_t::LEFT) ros2_->add_left(m.utime * 1000, view, camera_of(image));
       } else if (type == images_t::DISPARITY && image.row_stride % 2 == 0) {
         take_disparity(image, parts);
+        ros2_->add_disparity(m.utime * 1000, disparity_.cview());
       }
     }
     commit_before(m.utime + 1);
@@ -319,6 +337,8 @@ class LcmFeed final : public Feed {
   lcm::LCM lcm_;
   std::list<std::function<void(const lcm::ReceiveBuffer*, const std::string&)>> handlers_;
   Store* store_ = nullptr;
+  const RigidTransform T_body_camera_of_config_;
+  std::optional<Ros2Writer> ros2_;  // once it runs
   std::map<std::int64_t, Pending> pending_;
   std::int64_t last_committed_us_ = 0;
   std::int64_t last_frame_ = -1;
@@ -338,9 +358,9 @@ class LcmFeed final : public Feed {
 
 }  // namespace
 
-Result<std::unique_ptr<Feed>> open_lcm_feed(const std::string& url) {
+Result<std::unique_ptr<Feed>> open_lcm_feed(const std::string& url, const RigidTransform& T_body_camera) {
   if (auto ok = daemon::check_lcm_url(url); !ok) return ok.error();
-  auto feed = std::make_unique<LcmFeed>(url);
+  auto feed = std::make_unique<LcmFeed>(url, T_body_camera);
   if (!feed->good()) return Error{"cannot receive LCM messages", url, "check the URL and the route"};
   return std::unique_ptr<Feed>(std::move(feed));
 }

@@ -13,12 +13,7 @@ PageSession::PageSession(beast::tcp_stream&& stream, const Store& store, const T
     : stream_(std::move(stream)), store_(store), telling_(telling), told_(told) {}
 
 void PageSession::accept(const HttpRequest& request) {
-  beast::get_lowest_layer(stream_).expires_never();
-  auto patience = beast::websocket::stream_base::timeout::suggested(beast::role_type::server);
-  patience.keep_alive_pings = true;
-  stream_.set_option(patience);
-  stream_.read_message_max(kMostCommandBytes);
-  stream_.auto_fragment(false);  // else 4 KiB a frame, and a turn of the loop for each
+  set_options(stream_, kMostCommandBytes);
   stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) return;
     self->open_ = true;

@@ -1,28 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One page's WebSocket. Included by the two files that compile Boost.Beast.
+// One page's WebSocket. Included by the files that compile Boost.Beast.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <string>
-#include <utility>  // Boost 1.74 forgets it under C++20
-
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
-#include <boost/beast/websocket.hpp>
 
 #include "tools/view/access.h"
 #include "tools/view/server.h"
+#include "tools/view/session.h"
 #include "tools/view/store.h"
 
 namespace cliquevo::view {
-
-namespace beast = boost::beast;
-namespace http = boost::beast::http;
-namespace asio = boost::asio;
-using Tcp = asio::ip::tcp;
-using HttpRequest = http::request<http::empty_body>;
 
 // What all pages are told, made once for all of them.
 struct Told {
@@ -30,13 +19,13 @@ struct Told {
   std::shared_ptr<const std::string> mask;
 };
 
-class PageSession : public std::enable_shared_from_this<PageSession> {
+class PageSession final : public Session, public std::enable_shared_from_this<PageSession> {
  public:
   PageSession(beast::tcp_stream&& stream, const Store& store, const Telling& telling, const Told& told);
-  void accept(const HttpRequest& request);
+  void accept(const HttpRequest& request) override;
   // Sends what is due, if nothing is on its way.
-  void pump();
-  bool open() const { return open_; }
+  void pump() override;
+  bool open() const override { return open_; }
   void close();
 
  private:
@@ -45,7 +34,7 @@ class PageSession : public std::enable_shared_from_this<PageSession> {
   void send(std::string message, bool text);
   std::optional<std::string> next_text();
 
-  beast::websocket::stream<beast::tcp_stream> stream_;
+  WebSocket stream_;
   const Store& store_;
   const Telling& telling_;
   const Told& told_;

@@ -5,11 +5,17 @@
 #include <cmath>
 #include <mutex>
 
+#include "daemon/lcm/odometry_builder.h"
+#include "daemon/lcm/points.h"
+#include "tools/view/ros2_writer.h"
+
 namespace cliquevo::view {
 
 namespace {
 
 constexpr std::size_t kPointsOfAFrame = 10;
+constexpr double kPointsHz = 5.0;
+constexpr int kPointsStep_px = 4;
 
 MoverFact fact_of(const vo::Mover& m) {
   MoverFact out;
@@ -69,7 +75,10 @@ class PipelineFeed final : public Feed {
                const std::optional<RigidTransform>& T_body_camera)
       : source_(std::move(source)),
         pipeline_(std::move(pipeline)),
-        facts_(T_body_camera ? *T_body_camera : forward_left_up()) {
+        T_body_camera_(T_body_camera.value_or(forward_left_up())),
+        facts_(T_body_camera_),
+        odometry_(T_body_camera_),
+        tap_({.width = pipeline_.model().width, .height = pipeline_.model().height, .rate_hz = kPointsHz}) {
     state_.level = T_body_camera.has_value();
     state_.frames = source_->info().frame_count;
     state_.text = "processing";
@@ -86,7 +95,8 @@ class PipelineFeed final : public Feed {
     return state_;
   }
 
-  void run(Store& store, const std::function<bool()>& stopped) override {
+  void run(Store& store, Ros2Topics& topics, const std::function<bool()>& stopped) override {
+    ros2_.emplace(topics, T_body_camera_);
     drivers::StereoPair pair;
     int in_a_row = 0;  // pairs that cannot be read
     while (!stopped()) {
@@ -99,6 +109,7 @@ class PipelineFeed final : public Feed {
       if (!*read) return end({});
       if (auto done = pipeline_.process(pair); !done) return end(done.error().line());
       add(pair, store);
+      add_ros2(pair.stamp_ns);
     }
   }
 
@@ -120,6 +131,22 @@ class PipelineFeed final : public Feed {
     state_.view_text = vo::describe(e.vehicle_part);
   }
 
+  void add_ros2(TimestampNs stamp_ns) {
+    daemon::PublishedFrame frame;
+    frame.estimate = pipeline_.estimate();
+    const bool usable = frame.estimate.T_prev_cur.is_finite() && frame.estimate.T_world_camera.is_finite();
+    odometry_.build(frame, usable, stamp_ns, message_);
+    ros2_->add(message_);
+    ros2_->add_left(stamp_ns, pipeline_.rectified_left(), pipeline_.model());
+    ros2_->add_disparity(stamp_ns, pipeline_.disparity());
+    if (!ros2_->wants_points()) return;
+    tap_.offer(stamp_ns, pipeline_.rectified_left(), {}, pipeline_.disparity());
+    if (tap_.take() == nullptr) return;
+    daemon::build_points(*tap_.take(), pipeline_.model(), T_body_camera_, kPointsStep_px, points_);
+    tap_.give_back();
+    ros2_->add(points_);
+  }
+
   void end(const std::string& error) {
     const std::lock_guard lock(mutex_);
     state_.done = true;
@@ -130,7 +157,13 @@ class PipelineFeed final : public Feed {
   std::unique_ptr<drivers::FrameSource> source_;
   daemon::FramePipeline pipeline_;
   JpegEncoder jpeg_;
+  const RigidTransform T_body_camera_;
   FactsMaker facts_;
+  std::optional<Ros2Writer> ros2_;  // once it runs
+  daemon::OdometryBuilder odometry_;
+  odometry_t message_{};
+  daemon::ImageTap tap_;
+  points_t points_{};
   mutable std::mutex mutex_;
   FeedState state_;
 };

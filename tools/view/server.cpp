@@ -9,6 +9,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "tools/view/foxglove_session.h"
 #include "tools/view/page_files.h"
 #include "tools/view/page_session.h"
 
@@ -19,7 +20,7 @@ namespace {
 constexpr auto kTick = std::chrono::milliseconds(30);
 constexpr auto kTellAgain = std::chrono::milliseconds(150);  // the state is looked at so often
 constexpr auto kPatience = std::chrono::seconds(10);         // for a request to come in whole, and an answer to go out
-constexpr std::size_t kMostPages = 32;
+constexpr std::size_t kMostPages = 32;                       // and viewers
 constexpr std::size_t kMostConnections = 96;
 constexpr std::uint32_t kMostHeadBytes = 8192;
 constexpr const char* kMetricsPath = "/metrics";
@@ -69,13 +70,14 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
 class BeastServer final : public Server {
  public:
-  BeastServer(const Store& store, Telling telling) : store_(store), telling_(std::move(telling)), acceptor_(io_) {}
+  BeastServer(const Store& store, Ros2Topics& topics, Telling telling)
+      : store_(store), topics_(topics), telling_(std::move(telling)), acceptor_(io_) {}
 
   Result<void> listen(const ServerOptions& options);
   std::string address() const override;
   void run(const std::function<bool()>& stopped) override;
 
-  bool start_page(beast::tcp_stream&& stream, const HttpRequest& request);
+  bool start_session(beast::tcp_stream&& stream, const HttpRequest& request, bool viewer);
   const AccessRules& rules() const { return rules_; }
   std::string metrics() const { return telling_.metrics(); }
   std::size_t connections = 0;
@@ -87,6 +89,8 @@ class BeastServer final : public Server {
 
   asio::io_context io_{1};
   const Store& store_;
+  Ros2Topics& topics_;
+  std::string version_;
   const Telling telling_;
   Tcp::acceptor acceptor_;
   asio::steady_timer timer_{io_};
@@ -94,7 +98,7 @@ class BeastServer final : public Server {
   AccessRules rules_;
   Told told_;
   std::chrono::steady_clock::time_point told_at_;
-  std::list<std::shared_ptr<PageSession>> pages_;  // last: they look at the others
+  std::list<std::shared_ptr<Session>> sessions_;  // last: they look at the others
 };
 
 Connection::Connection(Tcp::socket&& socket, BeastServer& server) : stream_(std::move(socket)), server_(server) {
@@ -127,10 +131,11 @@ void Connection::answer() {
   const std::string host = view_of(request, http::field::host);
   const std::string origin = view_of(request, http::field::origin);
   const std::string cookie = view_of(request, http::field::cookie);
-  const Judgement judgement = judge({method, target, host, origin, cookie, upgrade}, server_.rules());
+  const std::string protocols = view_of(request, http::field::sec_websocket_protocol);
+  const Judgement judgement = judge({method, target, host, origin, cookie, upgrade, protocols}, server_.rules());
   if (judgement.status != 200) return reply(judgement.status, judgement, nullptr);
   if (upgrade) {
-    if (!server_.start_page(std::move(stream_), request)) reply(503, judgement, nullptr);
+    if (!server_.start_session(std::move(stream_), request, judgement.viewer)) reply(503, judgement, nullptr);
     return;
   }
   if (judgement.path == kMetricsPath) {
@@ -186,6 +191,8 @@ Result<void> BeastServer::listen(const ServerOptions& options) {
   if (!error) acceptor_.bind(endpoint, error);
   if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
   if (error) return failed(error, "choose another with --port, or 0 for any that is free");
+  version_ = options.version;
+  rules_.viewer_origins = options.viewer_origins;
   rules_.port = acceptor_.local_endpoint().port();
   if (!address.is_loopback()) rules_.token = random_token();
   accept();
@@ -209,7 +216,7 @@ void BeastServer::accept() {
       });
       return;
     }
-    if (connections + pages_.size() < kMostConnections) {
+    if (connections + sessions_.size() < kMostConnections) {
       beast::error_code ignored;
       socket.set_option(Tcp::no_delay(true), ignored);
       std::make_shared<Connection>(std::move(socket), *this)->read();
@@ -218,11 +225,15 @@ void BeastServer::accept() {
   });
 }
 
-bool BeastServer::start_page(beast::tcp_stream&& stream, const HttpRequest& request) {
-  if (pages_.size() >= kMostPages) return false;
+bool BeastServer::start_session(beast::tcp_stream&& stream, const HttpRequest& request, bool viewer) {
+  if (sessions_.size() >= kMostPages) return false;
   look_again();
-  pages_.push_back(std::make_shared<PageSession>(std::move(stream), store_, telling_, told_));
-  pages_.back()->accept(request);
+  if (viewer) {
+    sessions_.push_back(std::make_shared<FoxgloveSession>(std::move(stream), topics_, version_));
+  } else {
+    sessions_.push_back(std::make_shared<PageSession>(std::move(stream), store_, telling_, told_));
+  }
+  sessions_.back()->accept(request);
   return true;
 }
 
@@ -236,9 +247,9 @@ void BeastServer::look_again() {
 
 void BeastServer::tick(const std::function<bool()>& stopped) {
   if (stopped()) return io_.stop();
-  pages_.remove_if([](const auto& page) { return page->open() ? false : page.use_count() == 1; });
-  if (!pages_.empty() && std::chrono::steady_clock::now() - told_at_ >= kTellAgain) look_again();
-  for (const auto& page : pages_) page->pump();
+  sessions_.remove_if([](const auto& session) { return session->open() ? false : session.use_count() == 1; });
+  if (!sessions_.empty() && std::chrono::steady_clock::now() - told_at_ >= kTellAgain) look_again();
+  for (const auto& session : sessions_) session->pump();
   timer_.expires_after(kTick);
   timer_.async_wait([this, &stopped](beast::error_code error) {
     if (!error) tick(stopped);
@@ -252,8 +263,9 @@ void BeastServer::run(const std::function<bool()>& stopped) {
 
 }  // namespace
 
-Result<std::unique_ptr<Server>> Server::open(const ServerOptions& options, const Store& store, Telling telling) {
-  auto server = std::make_unique<BeastServer>(store, std::move(telling));
+Result<std::unique_ptr<Server>> Server::open(const ServerOptions& options, const Store& store, Ros2Topics& topics,
+                                             Telling telling) {
+  auto server = std::make_unique<BeastServer>(store, topics, std::move(telling));
   if (auto ok = server->listen(options); !ok) return ok.error();
   return std::unique_ptr<Server>(std::move(server));
 }

@@ -1,15 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// HTTP and WebSocket for the page, on one thread. A page asks for frames and gets each when the one before has gone
-// out: one that is slow skips frames, and nothing waits for it.
+// HTTP and WebSocket for the page, and for viewers that speak foxglove.websocket.v1, on one thread. A page asks for
+// frames and gets each when the one before has gone out: one that is slow skips frames, and nothing waits for it.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/base/result.h"
 #include "tools/view/access.h"
+#include "tools/view/ros2_topics.h"
 #include "tools/view/store.h"
 
 namespace cliquevo::view {
@@ -17,6 +19,9 @@ namespace cliquevo::view {
 struct ServerOptions {
   std::string listen = "127.0.0.1";
   std::uint16_t port = 8470;  // 0: any that is free
+  // Origins of pages that may connect as viewers, e.g. "http://localhost:8080".
+  std::vector<std::string> viewer_origins;
+  std::string version;  // which viewers are told
 };
 
 // What the server tells pages beside frames. Called on the server's thread; none may wait.
@@ -35,7 +40,8 @@ struct Telling {
 class Server {
  public:
   // Fails when the address cannot be had. Where it is not loopback, a token is made and asked for.
-  static Result<std::unique_ptr<Server>> open(const ServerOptions& options, const Store& store, Telling telling);
+  static Result<std::unique_ptr<Server>> open(const ServerOptions& options, const Store& store, Ros2Topics& topics,
+                                              Telling telling);
   virtual ~Server() = default;
   // "http://127.0.0.1:8470/", with the token where one is asked for.
   virtual std::string address() const = 0;

@@ -131,6 +131,7 @@ Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
                       const std::function<bool()>& stopped) {
   auto store = Store::make(options.keep_mb << 20, feed->live() ? kMostLiveRecords : kMostRecords);
   if (!store) return store.error();
+  Ros2Topics topics;
   RecordSwitch recording(options.control_socket);
   Telling telling;
   telling.hello = [&] { return hello(*feed, options); };
@@ -142,14 +143,16 @@ Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
     const bool start = what == PageCommand::What::record_start;
     if (start || what == PageCommand::What::record_stop) recording.turn(start);
   };
-  auto server = Server::open(options.server, **store, std::move(telling));
+  ServerOptions serving = options.server;
+  serving.version = options.version;
+  auto server = Server::open(serving, **store, topics, std::move(telling));
   if (!server) return server.error();
   std::atomic<bool> ending{false};
   std::atomic<bool> ended{false};
   Result<void> outcome;
   std::thread feeding([&] {
     outcome = guarded("view", [&]() -> Result<void> {
-      feed->run(**store, [&ending] { return ending.load(); });
+      feed->run(**store, topics, [&ending] { return ending.load(); });
       return {};
     });
     ended = true;

@@ -15,6 +15,9 @@ void add_lcm_keys(LcmConfig& lcm, KeyTable& t) {
   t.number("images_rate_hz", lcm.images_rate_hz, "Hz", between(0.01, 1000), "so many pictures a second at most")
       .reloadable = true;
   t.flag("images_right", lcm.images_right, "with each the rectified right image, behind the other two");
+  t.number("points_rate_hz", lcm.points_rate_hz, "Hz", between(0.01, 1000), "so many sets of points a second at most")
+      .reloadable = true;
+  t.number("points_step_px", lcm.points_step_px, "px", between(1, 64), "one point a square of this side");
   t.group(
       "Commands by message: whoever can send to the group can then reset the pose and fill the disk with recordings. "
       "With ttl=0 that is every program and user of this machine, with more every machine that is reached. The control "

@@ -8,12 +8,12 @@
 namespace cliquevo::view {
 namespace {
 
-const AccessRules kLocal{8470, ""};
-const AccessRules kOpen{8470, "0123456789abcdef0123456789abcdef"};
+const AccessRules kLocal{8470, "", {}};
+const AccessRules kOpen{8470, "0123456789abcdef0123456789abcdef", {}};
 
 int get(std::string_view host, std::string_view origin = "", std::string_view target = "/",
         const AccessRules& rules = kLocal, std::string_view cookie = "") {
-  return judge({"GET", target, host, origin, cookie, target == "/live"}, rules).status;
+  return judge({"GET", target, host, origin, cookie, target == "/live", ""}, rules).status;
 }
 
 TEST(Access, OnlyNumbersAndLocalhostNameUs) {
@@ -39,7 +39,7 @@ TEST(Access, TheTokenIsAskedForBeyondLoopback) {
   EXPECT_EQ(get(host, "", "/", kOpen), 403);
   EXPECT_EQ(get(host, "", "/?token=0123456789abcdef0123456789abcdee", kOpen), 403);
   EXPECT_EQ(get(host, "", "/?token=", kOpen), 403);
-  const Judgement j = judge({"GET", "/?a=b&token=" + kOpen.token, host, "", "", false}, kOpen);
+  const Judgement j = judge({"GET", "/?a=b&token=" + kOpen.token, host, "", "", false, ""}, kOpen);
   EXPECT_EQ(j.status, 200);
   EXPECT_TRUE(j.set_cookie);
   EXPECT_EQ(j.path, "/");
@@ -48,8 +48,8 @@ TEST(Access, TheTokenIsAskedForBeyondLoopback) {
 }
 
 TEST(Access, NothingButReading) {
-  EXPECT_EQ(judge({"POST", "/", "localhost:8470", "", "", false}, kLocal).status, 405);
-  EXPECT_EQ(judge({"GET", "/", "localhost:8470", "", "", true}, kLocal).status, 404);
+  EXPECT_EQ(judge({"POST", "/", "localhost:8470", "", "", false, ""}, kLocal).status, 405);
+  EXPECT_EQ(judge({"GET", "/", "localhost:8470", "", "", true, ""}, kLocal).status, 404);
 }
 
 TEST(Access, ThereIsNoPathOutOfThePagesOwnFiles) {

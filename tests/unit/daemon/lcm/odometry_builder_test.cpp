@@ -70,11 +70,21 @@ TEST(OdometryBuilder, TheCovarianceIsThatOfManyNoisyWays) {
   std::normal_distribution<double> normal;
   Matrix6d sampled = Matrix6d::Zero();
   const RigidTransform true_pose = T_body_camera * frame.estimate.T_world_camera * T_body_camera.inverse();
+  // Errors of a motion in part take back those of the one before: of a moving average, with that correlation.
+  const double own = 0.5 * (std::sqrt(1.0 + 2.0 * kTakenBack) + std::sqrt(1.0 - 2.0 * kTakenBack));
+  const double back = kTakenBack / own;
   for (int k = 0; k < kWays; ++k) {
     RigidTransform T;
+    Vector6d before;
+    for (int j = 0; j < 6; ++j) before[j] = normal(random);
     for (int i = 0; i < kFrames; ++i) {
+      Vector6d now;
       Vector6d x;
-      for (int j = 0; j < 6; ++j) x[j] = std::sqrt(noise(j, j)) * normal(random);
+      for (int j = 0; j < 6; ++j) {
+        now[j] = normal(random);
+        x[j] = std::sqrt(noise(j, j)) * (own * now[j] - back * before[j]);
+      }
+      before = now;
       T = T * perturbed(step(), x);
     }
     const RigidTransform pose = T_body_camera * T * T_body_camera.inverse();
@@ -88,6 +98,28 @@ TEST(OdometryBuilder, TheCovarianceIsThatOfManyNoisyWays) {
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratio(sampled, told);
   EXPECT_GT(ratio.eigenvalues().minCoeff(), 0.88);
   EXPECT_LT(ratio.eigenvalues().maxCoeff(), 1.14);
+}
+
+TEST(OdometryBuilder, TheCovarianceIsOneHoweverMuchSuccessiveMotionsDiffer) {
+  PoseCovariance covariance;
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  double before = 0.0;
+  for (int i = 0; i < 400; ++i) {
+    Matrix6d root = Matrix6d::Zero();
+    for (int r = 0; r < 6; ++r) {
+      for (int c = 0; c <= r; ++c) root(r, c) = normal(random) * (r == c ? 1.0 : 0.5);
+    }
+    const double scale = std::pow(10.0, -4.0 * (i % 3) - 4.0);
+    const RigidTransform T = step();
+    covariance.add(so3_exp({0.0, 0.1 * i, 0.0}), T.t, scale * root * root.transpose(), i % 17 != 0);
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(covariance.matrix());
+    EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0) << i;
+    if (i % 100 == 99) {
+      EXPECT_GT(covariance.matrix().trace(), 1.2 * before) << i;
+      before = covariance.matrix().trace();
+    }
+  }
 }
 
 TEST(OdometryBuilder, AFailureGrowsTheCovarianceAndAValidFrameSpansIt) {

@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/ros2_messages.h"
+#include "daemon/ros2/messages.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 
 #include <Eigen/Geometry>
 #include <cliquevo/status_t.hpp>
 #include <fmt/format.h>
 
-namespace cliquevo::tools::ros2 {
+namespace cliquevo::ros2 {
 
 namespace {
 
@@ -25,6 +26,16 @@ void put(const double (&M)[6][6], CdrWriter& out) {
 }
 Eigen::Vector3d vector(const double (&v)[3]) { return {v[0], v[1], v[2]}; }
 Eigen::Vector4d quaternion(const double (&q)[4]) { return {q[0], q[1], q[2], q[3]}; }
+
+// Within a block of bytes.
+void put_floats(std::span<const float> values, CdrWriter& out) {
+  for (const float value : values) {
+    const auto bits = std::bit_cast<std::uint32_t>(value);
+    std::array<std::uint8_t, 4> bytes{};
+    for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<std::uint8_t>(bits >> (8 * i));
+    out.row(bytes);
+  }
+}
 
 struct Lens {
   std::string_view model;
@@ -95,6 +106,23 @@ void put_image(TimestampNs stamp_ns, std::string_view frame, ImageView<const std
   for (int y = 0; y < image.height; ++y) out.row({image.row(y), width});
 }
 
+void put_disparity(TimestampNs stamp_ns, std::string_view frame, ImageView<const std::int16_t> disparity,
+                   CdrWriter& out) {
+  out.clear();
+  const auto width = static_cast<std::uint32_t>(disparity.width);
+  const auto height = static_cast<std::uint32_t>(disparity.height);
+  out.header(stamp_ns, frame).put(height).put(width).text("32FC1").put(std::uint8_t{0}).put(4 * width);
+  out.begin_block(std::size_t{4} * width * height);
+  std::vector<float> row(width);
+  for (int y = 0; y < disparity.height; ++y) {
+    const std::int16_t* from = disparity.row(y);
+    std::transform(from, from + width, row.begin(), [](std::int16_t sixteenths) {
+      return sixteenths > 0 ? static_cast<float>(sixteenths) / 16.0F : std::numeric_limits<float>::quiet_NaN();
+    });
+    put_floats(row, out);
+  }
+}
+
 void put_camera_info(TimestampNs stamp_ns, const StereoCalibration& calibration, bool left, CdrWriter& out) {
   const PrescribedRectification to = calibration.prescribed.value_or(PrescribedRectification{});
   const StereoModel& m = to.model;
@@ -156,25 +184,45 @@ void put_transform(TimestampNs stamp_ns, std::string_view frame, std::string_vie
   put_quaternion({q.w(), q.x(), q.y(), q.z()}, out);
 }
 
-void put_points(TimestampNs stamp_ns, std::string_view frame, std::span<const Eigen::Vector3f> points, CdrWriter& out) {
+namespace {
+
+// Everything before the data: fields of a float each.
+void begin_cloud(TimestampNs stamp_ns, std::string_view frame, std::span<const char* const> fields, std::size_t count,
+                 CdrWriter& out) {
   constexpr std::uint8_t kFloat32 = 7;
-  constexpr std::uint32_t kStep = 12;
-  const auto count = static_cast<std::uint32_t>(points.size());
+  constexpr std::uint32_t kBytes = 4;
+  const std::uint32_t step = kBytes * static_cast<std::uint32_t>(fields.size());
+  const auto points = static_cast<std::uint32_t>(count);
   out.clear();
-  out.header(stamp_ns, frame).put(std::uint32_t{1}).put(count);
-  out.put(std::uint32_t{3});
+  out.header(stamp_ns, frame).put(std::uint32_t{1}).put(points);
+  out.put(static_cast<std::uint32_t>(fields.size()));
   std::uint32_t offset = 0;
-  for (const char* name : {"x", "y", "z"}) {
+  for (const char* name : fields) {
     out.text(name).put(offset).put(kFloat32).put(std::uint32_t{1});
-    offset += 4;
+    offset += kBytes;
   }
-  out.put(std::uint8_t{0}).put(kStep).put(kStep * count).begin_block(std::size_t{kStep} * count);
-  for (const Eigen::Vector3f& p : points) {
-    std::array<std::uint8_t, kStep> bytes{};
-    for (std::size_t i = 0; i < kStep; ++i) {
-      bytes[i] = static_cast<std::uint8_t>(std::bit_cast<std::uint32_t>(p[static_cast<int>(i / 4)]) >> (8 * (i % 4)));
-    }
-    out.row(bytes);
+  out.put(std::uint8_t{0}).put(step).put(step * points).begin_block(std::size_t{step} * count);
+}
+
+}  // namespace
+
+void put_points(TimestampNs stamp_ns, std::string_view frame, std::span<const Eigen::Vector3f> points, CdrWriter& out) {
+  begin_cloud(stamp_ns, frame, std::span(kPointFields).first<3>(), points.size(), out);
+  for (const Eigen::Vector3f& p : points) put_floats(std::span(p.data(), 3), out);
+  out.put(std::uint8_t{1});
+}
+
+std::size_t count_of(const points_t& m) {
+  return std::min({m.x.size(), m.y.size(), m.z.size(), m.sigma.size(), m.grey.size()});
+}
+
+void put_points(const points_t& m, CdrWriter& out) {
+  const std::size_t count = count_of(m);
+  begin_cloud(m.utime * 1000, kBodyFrame, kPointFields, count, out);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::array<float, kPointFields.size()> fields{m.x[i], m.y[i], m.z[i], m.sigma[i],
+                                                        static_cast<float>(m.grey[i])};
+    put_floats(fields, out);
   }
   out.put(std::uint8_t{1});
 }
@@ -194,4 +242,4 @@ void put_diagnostics(const odometry_t& m, CdrWriter& out) {
   for (const auto& [key, value] : values) out.text(key).text(value);
 }
 
-}  // namespace cliquevo::tools::ros2
+}  // namespace cliquevo::ros2
