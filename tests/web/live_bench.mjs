@@ -41,7 +41,7 @@ await main(async (browser) => {
   const { address, child } = await startView("--lcm", url, "--socket", "");
   const port = Number(new URL(address).port), tabs = [];
   for (let i = 0; i < count; ++i) tabs.push(i < inBrowser ? await openPage(browser, address, { width: 1280, height: 800 }) : new PlainPage(port));
-  await until("frames come", async () => (await drawnOf(tabs)).every((n) => n > 30), 200);
+  await until("frames come", async () => (await drawnOf(tabs)).every((n) => n > 30) && (await stateOf(tabs[0])).health?.pose_rate_hz > 1, 300);
   const dropped = (await stateOf(tabs[0])).health?.frames_dropped ?? 0;
 
   const log = path.join(output, "live_bench.csv"), rows = [];
