@@ -232,7 +232,7 @@ bool stamps_from_names(ImageList& list, std::vector<std::string>& notes) {
   if (list.images.empty()) return false;
   std::size_t before = 0;
   std::size_t after = 0;
-  // Alone, a name tells what is its time by being nothing else.
+  // A single name is all time.
   if (list.images.size() > 1) std::tie(before, after) = common_ends(list.images);
   std::vector<std::string> texts;
   for (const RecordedImage& image : list.images) {
@@ -266,7 +266,7 @@ bool stamps_from_names(ImageList& list, std::vector<std::string>& notes) {
 
 namespace {
 
-// Times of cameras, by a name that only tells so among others ("stereo.timestamps", "camera_timestamps.txt").
+// Times of cameras, by a name that is clear only beside others ("stereo.timestamps", "camera_timestamps.txt").
 bool is_times_name(const std::string& name) {
   const auto has = [&](const char* word) { return name.find(word) != std::string::npos; };
   const auto ends = [&](const char* extension) { return name.ends_with(extension); };
