@@ -69,7 +69,10 @@ int list() {
         seen[i].family, seen[i].family, printable(seen[i].id), printable(seen[i + 1].id));
   }
   if (seen.empty()) {
-    return report({"no camera found", daemon::built_in_sources(),
+    const std::string families = daemon::built_in_families();
+    if (families.empty())
+      return report({"no camera found", "no camera family is in this build", "see docs/building.md"});
+    return report({"no camera found", "looked for by " + families,
                    "check cable, power, permissions (group video) and the network's addresses"});
   }
   return kDone;

@@ -240,12 +240,6 @@ void add_convert_command(CLI::App& app, int& exit_code) {
   convert->add_option("--config", arguments->config, "Of an MCAP: where the camera sits on the body (section body)")
       ->type_name("FILE");
   add_calibration_options(*convert, arguments->source);
-  convert
-      ->add_option_function<double>(
-          "--rate", [arguments](double hz) { arguments->source.rate_hz = hz; },
-          "Pairs a second, whatever times are there")
-      ->check(CLI::PositiveNumber)
-      ->type_name("HZ");
   add_recording_options(*convert, arguments->source);
   convert->footer(
       "Pixels and stamps are kept as they are, but for kitti, which is rectified on the way where it must be.\n"

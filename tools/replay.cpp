@@ -237,9 +237,6 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
                   "folder: recognised by what is in it), an LCM log, sim, or sim:key=value,...")
       ->required();
   add_calibration_options(replay, source);
-  replay.add_option_function<double>("--rate", into(source.rate_hz), "Pairs a second, whatever times are there")
-      ->check(CLI::PositiveNumber)
-      ->type_name("HZ");
   replay.add_option_function<std::int64_t>("--first", into(source.first), "First pair to play, counted from 0")
       ->check(CLI::NonNegativeNumber)
       ->type_name("I");

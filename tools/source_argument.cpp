@@ -116,6 +116,11 @@ Result<void> check_source(const SourceArgument& argument) {
 }
 
 void add_recording_options(CLI::App& command, SourceArgument& argument) {
+  command
+      .add_option_function<double>(
+          "--rate", [&argument](double hz) { argument.rate_hz = hz; }, "Pairs a second, whatever times are there")
+      ->check(CLI::PositiveNumber)
+      ->type_name("HZ");
   command.add_option("--channel", argument.channel, "Of a log with several stereo channels: the one to play")
       ->type_name("NAME");
   command

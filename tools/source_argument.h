@@ -46,7 +46,7 @@ bool is_simulator(const std::string& source);
 // Whether SOURCE and the options beside it make sense together; an error is one of usage.
 Result<void> check_source(const SourceArgument& argument);
 
-// --channel, --topics, --side-by-side and --swap-eyes, for every command with a SOURCE.
+// --rate, --channel, --topics, --side-by-side and --swap-eyes, for every command with a SOURCE.
 void add_recording_options(CLI::App& command, SourceArgument& argument);
 
 // How the recording that SOURCE names is to be read.

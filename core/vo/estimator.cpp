@@ -184,6 +184,7 @@ Sigmas Estimator::refined_sigmas() const { return {params_.sigma_px, params_.dis
 
 // A5 from a first motion on, and those checks of A6 that need the solution alone; again for as long as what was found
 // is not enough but finds more. True when no check fails.
+// Checks here need the solution alone; one that fails ends the attempt.
 bool Estimator::settle(const FramePair& pair, PatchSize patches, Comparison& out) {
   for (int attempt = 0, inliers = 0; attempt < kAttempts; ++attempt) {
     if (params_.refine) refine(pair, patches, out);
@@ -288,6 +289,7 @@ CheckInput Estimator::check_input(const FramePair& pair, const Comparison& out) 
 }
 
 // A6, the rest: whether the image as a whole agrees with the motion of the inliers, and how well it is known.
+// Checks here need the images; they run only where settle() found nothing.
 void Estimator::judge(const FramePair& pair, Comparison& out) {
   const CheckInput before = check_input(pair, out);
   if (params_.refine) {

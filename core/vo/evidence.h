@@ -7,7 +7,8 @@
 
 namespace cliquevo::vo {
 
-// What is checked of a frame's motion.
+// What is checked of a frame's motion. The place is the bit and the index in VO_STATUS (CHECK_... in status_t.lcm):
+// append before `count`, never insert. Which verdict goes first is the table in verdict.cpp.
 enum class Check : std::uint8_t {
   inliers,         // too few features moved as one
   spread,          // they lie nearly on a line

@@ -15,23 +15,31 @@ namespace cliquevo::daemon {
 
 const std::vector<CameraFamily>& camera_families() {
   static const std::vector<CameraFamily> families{
+      {"aravis", "GigE Vision and USB3 Vision, through Aravis",
 #ifdef CLIQUEVO_ARAVIS
-      {"aravis", "GigE Vision and USB3 Vision, through Aravis", drivers::open_aravis, drivers::list_aravis},
-#else
-      {"aravis", "GigE Vision and USB3 Vision, through Aravis", nullptr, nullptr},
+       drivers::open_aravis, drivers::list_aravis
 #endif
+      },
+      {"v4l2", "Video4Linux",
 #ifdef CLIQUEVO_V4L2
-      {"v4l2", "Video4Linux", drivers::open_v4l2, drivers::list_v4l2},
-#else
-      {"v4l2", "Video4Linux", nullptr, nullptr},
+       drivers::open_v4l2, drivers::list_v4l2
 #endif
+      },
+      {"libcamera", "libcamera",
 #ifdef CLIQUEVO_LIBCAMERA
-      {"libcamera", "libcamera", drivers::open_libcamera, drivers::list_libcamera},
-#else
-      {"libcamera", "libcamera", nullptr, nullptr},
+       drivers::open_libcamera, drivers::list_libcamera
 #endif
+      },
   };
   return families;
+}
+
+std::string built_in_families() {
+  std::string out;
+  for (const CameraFamily& family : camera_families()) {
+    if (family.is_built_in()) out += (out.empty() ? "" : ", ") + std::string(family.name);
+  }
+  return out;
 }
 
 }  // namespace cliquevo::daemon

@@ -16,12 +16,14 @@ struct CameraFamily {
   const char* name;
   const char* meaning;  // for people
   // Null where the family's library was not found at build time.
-  Result<std::unique_ptr<drivers::FrameSource>> (*open)(const drivers::CameraOptions&, drivers::OpenTrouble&);
-  std::vector<drivers::SeenCamera> (*list)();
+  Result<std::unique_ptr<drivers::FrameSource>> (*open)(const drivers::CameraOptions&, drivers::OpenTrouble&) = nullptr;
+  std::vector<drivers::SeenCamera> (*list)() = nullptr;
 
   bool is_built_in() const { return open != nullptr; }
 };
 
 const std::vector<CameraFamily>& camera_families();
+// "aravis, v4l2": those of this build; empty where there is none.
+std::string built_in_families();
 
 }  // namespace cliquevo::daemon

@@ -76,11 +76,8 @@ class PingPong : public FrameSource {
 }  // namespace
 
 std::string built_in_sources() {
-  std::string out = "simulator, recording";
-  for (const CameraFamily& family : camera_families()) {
-    if (family.is_built_in()) out += std::string(", ") + family.name;
-  }
-  return out;
+  const std::string families = built_in_families();
+  return "simulator, recording" + (families.empty() ? "" : ", " + families);
 }
 
 Result<std::unique_ptr<FrameSource>> make_pingpong(std::unique_ptr<FrameSource> source, std::size_t max_bytes) {

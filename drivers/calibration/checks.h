@@ -20,8 +20,8 @@ Error calibration_error(const std::string& what, const std::string& where);
 Error size_error(const std::string& path, int width, int height, int image_width, int image_height);
 
 // The last step of every reader: unit and size, checks of cameras, lenses, rotations, baseline and the prescribed
-// model; recognises a pair that needs no warping; sets `source`. `format_unit_m`: metres a unit of the file's lengths
-// (the calibration is in metres already).
+// model; recognises a pair that needs no warping; sets `source`. Sizes left at 0 become the images'. `format_unit_m`:
+// metres a unit of the file's lengths (the calibration is in metres already).
 Result<StereoCalibration> finish_calibration(StereoCalibration calibration, const CalibrationRequest& request,
                                              double format_unit_m = 1.0);
 

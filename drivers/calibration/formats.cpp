@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "drivers/calibration/formats.h"
 
-#include <array>
-
 namespace cliquevo::drivers {
 
 std::span<const CalibrationFormat> calibration_formats() {
-  static constexpr std::array<CalibrationFormat, 17> kFormats{{
+  static constexpr CalibrationFormat kFormats[] = {
       {"4Seasons", "calib_0.txt, calib_1.txt, calib_stereo.txt", is_four_seasons, read_four_seasons},
       {"KITTI raw", "S_00, K_00, R_rect_00, P_rect_00", is_kitti_raw, read_kitti_raw},
       {"KITTI odometry", "P0, P1", is_kitti_odometry, read_kitti_odometry},
@@ -24,7 +22,7 @@ std::span<const CalibrationFormat> calibration_formats() {
       {"ROS camera_info", "camera_matrix, projection_matrix", is_ros, read_ros},
       {"OpenCV, ORB-SLAM, stella_vslam", "K1, D1, K2, D2, R, T; LEFT.K; Camera.fx, Camera.bf", is_keyed, read_keyed},
       {"DSO", "Pinhole, RadTan, EquiDistant", is_dso, read_dso},
-  }};
+  };
   return kFormats;
 }
 

@@ -177,6 +177,7 @@ const std::vector<LayoutKind>& layout_kinds() {
        find_two_folders},
       {"one folder with images whose names differ so", find_names_in_one_folder},
       {"side-by-side images, where their halves match (or --side-by-side says so)", find_side_by_side},
+      // No layout: names the missing side. Its text stands for logs, which recording.cpp opens.
       {"LCM logs (*.lcm)", find_single_side}};
   return kinds;
 }

@@ -45,7 +45,8 @@ Result<std::optional<Layout>> find_side_by_side(const std::string& path);  // wh
 Result<Layout> read_side_by_side(const std::string& path);                 // as the user states
 Result<std::optional<Layout>> find_single_side(const std::string& path);   // only ever an error: the other is missing
 
-// The layouts, in the order in which they are tried.
+// The layouts, in the order in which they are tried. Put the more particular before find_two_folders, which takes
+// nearly anything.
 struct LayoutKind {
   const char* looks_like;  // for the message where none fits
   Result<std::optional<Layout>> (*find)(const std::string& path);

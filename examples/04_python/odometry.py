@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Poses of a recording, a log or the simulator: odometry.py [SOURCE [TRAJECTORY]]"""
+# [ten lines]
 import sys
 
-# [ten lines]
 import cliquevo
 
 source = cliquevo.open(sys.argv[1] if len(sys.argv) > 1 else "sim:frames=20")

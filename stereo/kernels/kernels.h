@@ -197,7 +197,9 @@ const KernelTables<Table>& tables();
 const Table& active();
 
 extern const Table kReference;
-// What each instruction set overrides, in a file of its own.
+// What each instruction set overrides, in a file of its own. Nothing from the standard library is called in kernels:
+// the linker keeps one copy of an inline function for the whole program, and it may be the one that a lesser machine
+// cannot run.
 void use_sse4(Table& table);
 void use_avx2(Table& table);
 void use_avx512(Table& table);

@@ -190,7 +190,7 @@ void print_kernel_times() {
                                "left-right check",        "finish",
                                "links for speckles",      "smooth, one pass",
                                "rectify, one image"};
-  const Isa sets[] = {Isa::reference, Isa::sse4, Isa::avx2, Isa::avx512, Isa::neon};
+  const std::vector<Isa> sets = isas();
   Bench bench;
   std::printf("cycles a pixel, %d px wide; one cycle lasts %.3f ns\n| kernel |", kWidth, cycle_ns());
   for (const Isa isa : sets) {

@@ -227,6 +227,15 @@ TEST(BadInput, NoLcmRouteIsAWarningAndTheReplayGoesOn) {
   }
 }
 
+TEST(RecordingWithoutTimes, IsPlayedByEveryCommandWithTheRateThatItsErrorAsksFor) {
+  const std::string recording = made_recording();
+  std::filesystem::remove(recording + "/times.txt");
+  expect_refused({"info", recording}, 1, "--rate");
+  const Finished done = run({binary("cliquevo"), "info", recording, "--rate", "25", "--json"});
+  EXPECT_EQ(done.exit_code, 0) << done.err;
+  EXPECT_NE(done.out.find("\"rate_hz\": 25.0"), std::string::npos) << done.out;
+}
+
 TEST(WrongUsage, IsExitCode2AndOneLine) {
   const std::string recording = made_recording();
   expect_refused({}, 2, "cliquevo --help");
@@ -240,6 +249,7 @@ TEST(WrongUsage, IsExitCode2AndOneLine) {
   expect_refused({"replay", recording, "--first", "x"}, 2, "--first");
   expect_refused({"replay", recording, "--first", "4", "--last", "2"}, 2, "--last");
   expect_refused({"replay", recording, "--rate", "0"}, 2, "--rate");
+  expect_refused({"info", recording, "--rate", "0"}, 2, "--rate");
   expect_refused({"replay", "sim:nonsense=1"}, 2, "nonsense");
   expect_refused({"replay", "sim:frames=-1"}, 2, "frames");
   expect_refused({"replay", "sim", "--calibration", "calib.txt"}, 2, "sim");

@@ -156,6 +156,8 @@ struct Kernels {
 };
 
 extern const Kernels kReferenceKernels;
+// Each is compiled for its set. Nothing from the standard library is called in kernels: the linker keeps one copy of an
+// inline function for the whole program, and it may be the one that a lesser machine cannot run.
 #if defined(__x86_64__)
 void use_sse4(Kernels& table);
 void use_avx2(Kernels& table);
