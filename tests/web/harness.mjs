@@ -40,6 +40,20 @@ export function start(path, ...args) {
   return child;
 }
 
+// A program of ours that ends with the test; resolves once it has printed what matches.
+export function startUntil(pattern, ...args) {
+  const child = spawn(program, args, { stdio: ["ignore", "pipe", "pipe"] });
+  started.push(child);
+  child.out = child.err = "";
+  child.ended = new Promise((resolve) => child.on("close", resolve));
+  return new Promise((resolve, reject) => {
+    const look = () => { const found = (child.out + child.err).match(pattern); if (found) resolve({ child, found: found[0] }); };
+    child.stdout.on("data", (text) => { child.out += text; look(); });
+    child.stderr.on("data", (text) => { child.err += text; look(); });
+    child.on("exit", (code) => reject(new Error(`cliquevo ${args[0]} ended with ${code}: ${child.err}`)));
+  });
+}
+
 export function run(args, options = {}) {
   return new Promise((resolve) => {
     const child = spawn(program, args, { stdio: ["ignore", "pipe", "pipe"], ...options });
