@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // In the order in which a file of the other camera is looked for.
-constexpr std::array<std::pair<const char*, const char*>, 16> kSideWords{{{"left", "right"},
+constexpr std::array<std::pair<const char*, const char*>, 19> kSideWords{{{"left", "right"},
                                                                           {"Left", "Right"},
                                                                           {"LEFT", "RIGHT"},
                                                                           {"cam0", "cam1"},
@@ -26,10 +26,47 @@ constexpr std::array<std::pair<const char*, const char*>, 16> kSideWords{{{"left
                                                                           {"camera1", "camera2"},
                                                                           {"camera_1", "camera_2"},
                                                                           {"cam_1", "cam_2"},
+                                                                          {"sensor0", "sensor1"},
+                                                                          {"/l.", "/r."},
+                                                                          {"/L.", "/R."},
                                                                           {"_l.", "_r."},
                                                                           {"_L.", "_R."},
                                                                           {"camL", "camR"},
                                                                           {"cam_L", "cam_R"}}};
+
+enum class Side { none, left, right };
+
+// By the word in a file's own name.
+Side side_of(const fs::path& path) {
+  std::string name = path.filename().string();
+  for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  const bool left = name.find("left") != std::string::npos;
+  const bool right = name.find("right") != std::string::npos;
+  return left == right ? Side::none : left ? Side::left : Side::right;
+}
+
+// The only file of the other side in the folder, whatever else its name holds (ROS writes serial numbers); empty =
+// none.
+std::string only_other_side(const std::string& path) {
+  constexpr int kMostFiles = 200;
+  const Side side = side_of(path);
+  if (side == Side::none) return {};
+  std::string found;
+  std::error_code ec;
+  const fs::path folder = fs::path(path).parent_path();
+  int seen = 0;
+  for (fs::directory_iterator entry(folder.empty() ? "." : folder, ec);
+       !ec && entry != fs::directory_iterator() && ++seen <= kMostFiles; entry.increment(ec)) {
+    const fs::path& candidate = entry->path();
+    if (candidate.extension() != fs::path(path).extension()) continue;
+    const Side other = side_of(candidate);
+    if (other == side && candidate.filename() != fs::path(path).filename()) return {};
+    if (other == Side::none || other == side) continue;
+    if (!found.empty()) return {};
+    found = (folder / candidate.filename()).string();
+  }
+  return found;
+}
 
 }  // namespace
 
@@ -54,12 +91,16 @@ std::vector<std::string> other_camera_paths(const std::string& path) {
       if (!name.empty()) out.push_back(name);
     }
   }
+  if (std::string other = only_other_side(path); !other.empty()) out.push_back(std::move(other));
   return out;
 }
 
 bool is_right_of(const std::string& path, const std::string& other) {
-  return std::any_of(kSideWords.begin(), kSideWords.end(),
-                     [&](const auto& words) { return replaced(path, words.second, words.first, 2) == other; });
+  const bool by_names = fs::path(path).parent_path() == fs::path(other).parent_path() && side_of(path) == Side::right &&
+                        side_of(other) == Side::left;
+  return by_names || std::any_of(kSideWords.begin(), kSideWords.end(), [&](const auto& words) {
+           return replaced(path, words.second, words.first, 2) == other;
+         });
 }
 
 }  // namespace cliquevo::drivers

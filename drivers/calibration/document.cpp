@@ -181,7 +181,8 @@ Result<RigidTransform> transform_from(const std::vector<double>& v, const std::s
 }
 
 Result<RigidTransform> Document::transform(const std::string& key) const {
-  const Result<std::vector<double>> read = numbers(key, 16);
+  Result<std::vector<double>> read = numbers(key);
+  if (read && read->size() != 12) read = numbers(key, 16);
   if (!read) return read.error();
   return transform_from(*read, where(key));
 }

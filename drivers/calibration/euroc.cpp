@@ -11,6 +11,9 @@ namespace cliquevo::drivers {
 
 namespace {
 
+// By which OpenVINS' settings name their chain.
+constexpr const char* kOpenVinsChain = "relative_config_imucam";
+
 // `terms`: those that the model has in front of fx.
 Result<void> set_model(const std::string& model, std::vector<double> terms, const std::string& distortion,
                        const std::vector<double>& D, const Document& yaml, CameraCalibration& camera) {
@@ -124,6 +127,7 @@ bool is_euroc(const CalibrationText& file) {
 
 bool is_kalibr(const CalibrationText& file) {
   if (!file.document) return false;
+  if (file.has(kOpenVinsChain)) return true;
   const DocumentNode* cam0 = file.document->root().find("cam0");
   if (cam0 == nullptr) return false;
   const DocumentNode* intrinsics = cam0->find("intrinsics");
@@ -166,10 +170,13 @@ Result<StereoCalibration> read_euroc(const CalibrationText& file, const Calibrat
 }
 
 Result<StereoCalibration> read_kalibr(const CalibrationText& file, const CalibrationRequest& request,
-                                      const OtherFile& /*other*/) {
-  const Result<Document> left = file.document->inner("cam0");
+                                      const OtherFile& other) {
+  Result<Document> chain = *file.document;
+  if (file.has(kOpenVinsChain)) chain = read_other(other, {beside(file.path, file.document->word(kOpenVinsChain))});
+  if (!chain) return chain.error();
+  const Result<Document> left = chain->inner("cam0");
   if (!left) return left.error();
-  const Result<Document> right = file.document->inner("cam1");
+  const Result<Document> right = chain->inner("cam1");
   if (!right) return right.error();
   StereoCalibration c;
   for (const Result<Document>* side : {&left, &right}) {

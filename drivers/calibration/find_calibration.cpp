@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostBytes = 1U << 20U;
 constexpr std::size_t kMostFiles = 200;  // of a folder, that are looked into
 
-constexpr std::array<const char*, 38> kNames{"calib_cam_to_cam.txt",
+constexpr std::array<const char*, 39> kNames{"calib_cam_to_cam.txt",
                                              "perspective.txt",
                                              "calib.txt",
                                              "undistorted_calib_stereo.txt",
@@ -46,6 +46,7 @@ constexpr std::array<const char*, 38> kNames{"calib_cam_to_cam.txt",
                                              "cam0.yaml",
                                              "cam0/sensor.yaml",
                                              "mav0/cam0/sensor.yaml",
+                                             "left/sensor.yaml",
                                              "left/camera_info.yaml",
                                              "camera.txt",
                                              "calibration.txt",

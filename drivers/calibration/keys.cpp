@@ -2,7 +2,9 @@
 #include "drivers/calibration/keys.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
+#include <initializer_list>
 #include <set>
 
 #include <fmt/format.h>
@@ -100,6 +102,28 @@ std::optional<DocumentNode> as_list(const DocumentNode& node) {
   return out.items.size() == node.entries.size() ? std::optional(std::move(out)) : std::nullopt;
 }
 
+// {q_x: 0, q_y: 0, q_z: 0, q_w: 1, t_x: 1, t_y: 2, t_z: 3}: rotation and translation as lists; nothing = another map.
+std::optional<std::pair<DocumentNode, DocumentNode>> as_pose(const DocumentNode& node) {
+  if (node.entries.size() != 7) return std::nullopt;
+  const auto list = [&node](std::initializer_list<std::array<const char*, 4>> spellings) {
+    DocumentNode out;
+    out.kind = DocumentNode::Kind::list;
+    out.line = node.line;
+    for (const auto& names : spellings) {
+      out.items.clear();
+      for (const char* name : names) {
+        if (const DocumentNode* value = name != nullptr ? node.find(name) : nullptr) out.items.push_back(*value);
+      }
+      if (out.items.size() >= 3) break;
+    }
+    return out;
+  };
+  DocumentNode q = list({{"q_x", "q_y", "q_z", "q_w"}, {"qx", "qy", "qz", "qw"}});
+  DocumentNode t = list({{"t_x", "t_y", "t_z", nullptr}, {"tx", "ty", "tz", nullptr}, {"x", "y", "z", nullptr}});
+  if (q.items.size() != 4 || t.items.size() != 3) return std::nullopt;
+  return std::pair{std::move(q), std::move(t)};
+}
+
 // What a camera in a list says it is: "left", "cam1"; empty = nothing.
 std::string name_of(const DocumentNode& item) {
   for (const char* key :
@@ -137,6 +161,10 @@ void Keys::walk(const DocumentNode& node, const std::string& file, const std::st
   if (path.size() > 8 || entries_.size() > 2000) return;
   const bool matrix = node.find("data") != nullptr;
   if (const auto list = as_list(node); list && !path.empty()) return leaf(*list, file, key, path);
+  if (const auto pose = as_pose(node)) {
+    step(pose->first, file, key, "rotation", path);
+    return step(pose->second, file, key, "translation", path);
+  }
   if (node.kind == DocumentNode::Kind::map && !matrix) {
     for (const auto& [name, inner] : node.entries) step(inner, file, key, name, path);
     return;

@@ -2,6 +2,7 @@
 // Calibrations as programs print them, and in more files than one.
 #include <filesystem>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "drivers/calibration/calibration.h"
@@ -161,6 +162,58 @@ TEST(files_of_each_camera, with_their_pose_in_a_third_file_or_none) {
   write_file(dir + "/stereo.yaml", fmt::format("R: [{}]\nT: [{}]\n", list_of(Eigen::MatrixXd(rig.T_right_left.R)),
                                                list_of(Eigen::MatrixXd(rig.T_right_left.t))));
   expect_rig(read_calibration(left, 640, 480), rig, 1e-6, "three files");
+}
+
+TEST(files_of_each_camera, whatever_else_their_names_hold) {
+  const test::Rig rig = test::make_rig();
+  for (const auto& [left, right] : std::vector<std::pair<std::string, std::string>>{
+           {"/15201_left.yml", "/15202_right.yml"}, {"/l.yml", "/r.yml"}, {"/sensor0.yml", "/sensor1.yml"}}) {
+    const std::string dir = test::scratch_dir();
+    write_file(dir + left, one_camera(rig.K_left, rig.D_left, {}));
+    write_file(dir + right, one_camera(rig.K_right, rig.D_right, rig.T_right_left));
+    for (const std::string& name : {left, right, std::string()}) {
+      expect_rig(read_calibration(dir + name, 640, 480), rig, 1e-6, left);
+    }
+  }
+}
+
+TEST(files_of_each_camera, with_their_pose_as_numbers_by_name) {
+  const test::Rig rig = test::make_rig();
+  const std::string dir = test::scratch_dir();
+  const auto camera = [](const Eigen::Matrix3d& K, const std::vector<double>& D) {
+    return fmt::format("camera_matrix: [{}]\ndist_coeffs: [{}]\n", list_of(K), list_of(D));
+  };
+  const std::string left = write_file(dir + "/camera_left.yaml", camera(rig.K_left, rig.D_left));
+  write_file(dir + "/camera_right.yaml", camera(rig.K_right, rig.D_right));
+  const Eigen::Quaterniond q(rig.T_right_left.R);
+  const Eigen::Vector3d t = rig.T_right_left.t;
+  write_file(dir + "/extrinsics.yaml",
+             fmt::format("transform:\n  q_x: {}\n  q_y: {}\n  q_z: {}\n  q_w: {}\n  t_x: {}\n  t_y: {}\n  t_z: {}\n",
+                         q.x(), q.y(), q.z(), q.w(), t.x(), t.y(), t.z()));
+  expect_rig(read_calibration(left, 640, 480), rig, 1e-6, "quaternion");
+}
+
+TEST(files_of_each_camera, settings_of_openvins_name_the_chain) {
+  const test::Rig rig = test::make_rig();
+  const std::string dir = test::scratch_dir();
+  const auto camera = [](const char* name, const std::string& pose, const Eigen::Matrix3d& K,
+                         const std::vector<double>& D) {
+    return fmt::format(
+        "{}:\n{}  camera_model: pinhole\n  distortion_model: radtan\n  distortion_coeffs: [{}, {}, {}, {}]\n"
+        "  intrinsics: [{}, {}, {}, {}]\n  resolution: [640, 480]\n",
+        name, pose, D[0], D[1], D[2], D[3], K(0, 0), K(1, 1), K(0, 2), K(1, 2));
+  };
+  Eigen::Matrix<double, 3, 4, Eigen::RowMajor> T;  // without its last row
+  T << rig.T_right_left.R, rig.T_right_left.t;
+  write_file(dir + "/chain.yaml", camera("cam0", "", rig.K_left, rig.D_left) +
+                                      camera("cam1", fmt::format("  T_cn_cnm1: [{}]\n", list_of(Eigen::MatrixXd(T))),
+                                             rig.K_right, rig.D_right));
+  const std::string path =
+      write_file(dir + "/estimator_config.yaml", "use_stereo: true\nrelative_config_imucam: \"chain.yaml\"\n");
+  const auto c = read_calibration(path, 640, 480);
+  ASSERT_TRUE(c.ok()) << c.error().line();
+  EXPECT_DOUBLE_EQ(c->left.fx_px, rig.K_left(0, 0));
+  EXPECT_LT((c->T_right_left.t - rig.T_right_left.t).norm(), 1e-9);
 }
 
 TEST(bare_numbers, foundation_stereo) {
