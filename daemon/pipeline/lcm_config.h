@@ -20,7 +20,7 @@ struct LcmConfig {
   std::string features_channel;
   std::string health_channel = "VO_HEALTH";
   double images_rate_hz = 2.0;
-  bool images_right = false;    // the right image, too
+  bool images_right = false;  // the right image, too
   double points_rate_hz = 2.0;
   int points_step_px = 4;
   std::string command_channel;  // received: see CommandReceiver
