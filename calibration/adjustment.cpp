@@ -19,6 +19,7 @@ constexpr double kHuberSigmas = 2.5;
 constexpr double kNormalMedian = 1.1774;  // of the length of a two-dimensional normal vector, in sigmas
 constexpr double kLeastSigma_px = 1e-4;   // exact corners
 constexpr double kUnseen_px = 1e3;        // residual of a corner that the model does not reach: the step is refused
+constexpr double kRationalSigma = 1.0;    // expected size of the coefficients of a rational lens
 constexpr double kFirstDamping = 1e-3;
 constexpr double kMostDamping = 1e12;
 constexpr double kLeastGain = 1e-10;  // of the cost: converged
@@ -70,6 +71,7 @@ class Adjustment {
   }
 
   Adjusted run(Adjusted state) {
+    expect_lens(*state.rig.model);
     double damping = kFirstDamping;
     learn_scale(state);
     double cost = this->cost(state);
@@ -119,6 +121,15 @@ class Adjustment {
     return px ? Eigen::Vector2d(seen.px - *px) : Eigen::Vector2d::Constant(kUnseen_px);
   }
 
+  // Of a quotient of polynomials many fit alike: the one with small coefficients is wanted.
+  void expect_lens(const LensModel& model) {
+    lens_weight_.setZero();
+    if (model.distortion != Distortion::rational) return;
+    for (int i = kFocalAndCentre; i < model.size(); ++i) {
+      if (model.parameter_name(i)[0] == 'k') lens_weight_(i) = 1.0 / (kRationalSigma * kRationalSigma);
+    }
+  }
+
   // Robust scale of the errors; the bound of Huber's cost is a multiple of it, and the prior on the bend, which is in
   // units of the corners' noise, needs it too.
   void learn_scale(const Adjusted& state) {
@@ -134,10 +145,13 @@ class Adjustment {
     bound_ = options_.robust ? kHuberSigmas * scale_px_ : std::numeric_limits<double>::infinity();
   }
 
-  double bend_scale() const { return scale_px_ * scale_px_; }
+  // Priors are in units of the corners' noise.
+  double prior_scale() const { return scale_px_ * scale_px_; }
 
   double cost(const Adjusted& state) const {
-    double sum = bend_scale() * state.rig.bend_m.cwiseAbs2().dot(bend_weight_);
+    double sum = state.rig.bend_m.cwiseAbs2().dot(bend_weight_);
+    for (const Side side : {Side::left, Side::right}) sum += state.rig.lens(side).cwiseAbs2().dot(lens_weight_);
+    sum *= prior_scale();
     each_corner(state, [&](std::size_t, Side side, const SeenCorner& seen, const RigidTransform& T) {
       sum += huber_cost(error_of(state, side, seen, T).norm(), bound_);
     });
@@ -162,11 +176,18 @@ class Adjustment {
       pose.shared.noalias() += weight * c.by_shared.transpose() * c.by_pose;
     });
     for (int i = 0; i < 2; ++i) {
-      const int at = kFirstOfBend + i;
-      if (!options_.estimated[static_cast<std::size_t>(at)]) continue;
-      shared_(at, at) += bend_scale() * bend_weight_(i);
-      shared_gradient_(at) -= bend_scale() * bend_weight_(i) * state.rig.bend_m(i);
+      add_prior(kFirstOfBend + i, bend_weight_(i), state.rig.bend_m(i));
     }
+    for (int i = 0; i < kMostLens; ++i) {
+      add_prior(i, lens_weight_(i), state.rig.left(i));
+      add_prior(kFirstOfRight + i, lens_weight_(i), state.rig.right(i));
+    }
+  }
+
+  void add_prior(int at, double weight, double value) {
+    if (!options_.estimated[static_cast<std::size_t>(at)]) return;
+    shared_(at, at) += prior_scale() * weight;
+    shared_gradient_(at) -= prior_scale() * weight * value;
   }
 
   // Columns of what is not estimated are 0; with square pixels fx and fy are one.
@@ -261,8 +282,9 @@ class Adjustment {
   const std::vector<View>& views_;
   AdjustmentOptions options_;
   Eigen::Vector2d bend_weight_;  // 1/m^2
-  double bound_ = 0.0;           // px
-  double scale_px_ = 1.0;        // of a coordinate's error
+  LensVector lens_weight_ = LensVector::Zero();
+  double bound_ = 0.0;     // px
+  double scale_px_ = 1.0;  // of a coordinate's error
   SharedMatrix shared_;
   SharedVector shared_gradient_;
   std::vector<Pose> poses_;

@@ -17,7 +17,7 @@ Result<std::string> Commands::handle(Command command) {
   switch (command) {
     case Command::reset_pose:
       pipeline_.request_reset();
-      incidents_.log("the pose is reset: a command asked for it");
+      incidents_.log("the pose is reset, by command");
       return std::string("the next frame is the origin");
     case Command::start_recording:
       if (const auto ok = recording_.start(); !ok) return ok.error();

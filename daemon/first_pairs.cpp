@@ -18,8 +18,8 @@ using drivers::StereoPair;
 
 class FirstPairs final : public drivers::FrameSource {
  public:
-  FirstPairs(std::unique_ptr<FrameSource> source, std::function<void(const std::string&)> tell)
-      : source_(std::move(source)), tell_(std::move(tell)) {}
+  FirstPairs(std::unique_ptr<FrameSource> source, std::function<void(const std::string&)> report)
+      : source_(std::move(source)), report_(std::move(report)) {}
   ~FirstPairs() override {
     if (thread_.joinable()) thread_.join();
   }
@@ -56,13 +56,13 @@ class FirstPairs final : public drivers::FrameSource {
       std::vector<drivers::ImagePairView> views;
       for (const Images& pair : pairs_) views.push_back({pair.left.cview(), pair.right.cview()});
       const std::string line = drivers::contradiction(source_->info().calibration, views);
-      if (!line.empty()) tell_(line);
-    } catch (const std::exception&) {  // no memory: what is not looked at is not told of
+      if (!line.empty()) report_(line);
+    } catch (const std::exception&) {  // no memory: what is not looked at is not reported
     }
   }
 
   std::unique_ptr<FrameSource> source_;
-  std::function<void(const std::string&)> tell_;
+  std::function<void(const std::string&)> report_;
   std::array<Images, 3> pairs_;
   std::size_t taken_ = 0;
   int seen_ = 0;
@@ -72,9 +72,9 @@ class FirstPairs final : public drivers::FrameSource {
 }  // namespace
 
 std::unique_ptr<drivers::FrameSource> examine_first_pairs(std::unique_ptr<drivers::FrameSource> source,
-                                                          std::function<void(const std::string&)> tell) {
+                                                          std::function<void(const std::string&)> report) {
   if (!source->info().live) return source;
-  return std::make_unique<FirstPairs>(std::move(source), std::move(tell));
+  return std::make_unique<FirstPairs>(std::move(source), std::move(report));
 }
 
 }  // namespace cliquevo::daemon

@@ -10,9 +10,9 @@
 
 namespace cliquevo::daemon {
 
-// The source itself where it is none of live cameras: recordings were looked at when they were opened. `tell` gets one
-// line, from a thread of its own.
+// The source itself where it is none of live cameras: recordings were looked at when they were opened. `report` gets
+// one line, from a thread of its own.
 std::unique_ptr<drivers::FrameSource> examine_first_pairs(std::unique_ptr<drivers::FrameSource> source,
-                                                          std::function<void(const std::string&)> tell);
+                                                          std::function<void(const std::string&)> report);
 
 }  // namespace cliquevo::daemon

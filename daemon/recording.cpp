@@ -35,7 +35,7 @@ struct Recording::Impl {
   std::atomic<bool> active{false};
   std::mutex mutex;
   std::shared_ptr<drivers::Recorder> recorder;  // whoever adds keeps it alive meanwhile
-  bool told = false;
+  bool reported = false;
   std::optional<Error> refused;  // why the last start() was none
 
   Result<void> start();
@@ -102,7 +102,7 @@ Result<void> Recording::start() {
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   if (impl_->recorder) return {};
   const auto started = guarded("recording", [&] { return impl_->start(); });
-  impl_->told = false;
+  impl_->reported = false;
   impl_->refused.reset();
   if (!started) impl_->refused = started.error();
   impl_->active.store(started.ok(), std::memory_order_release);
@@ -157,7 +157,7 @@ std::string Recording::status() {
   if (impl_->refused) return printable("recording failed: " + impl_->refused->line());
   if (!impl_->recorder) return "";
   if (const auto failure = impl_->recorder->failure()) {
-    if (!std::exchange(impl_->told, true)) spdlog::error(failure->line());
+    if (!std::exchange(impl_->reported, true)) spdlog::error(failure->line());
     return printable("recording failed: " + failure->line());
   }
   const drivers::RecorderCounts counts = impl_->recorder->counts();

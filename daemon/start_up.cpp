@@ -80,11 +80,11 @@ health_t waiting_health(std::int64_t start_mono_ns, const std::string& waiting_f
 StartUp::StartUp(const Config& config, const Signals& signals, Service& service)
     : config_(config), signals_(signals), service_(service), start_ns_(monotonic_ns()) {}
 
-// false: asked to stop.
+// false: a stop was requested.
 bool StartUp::tick(std::int64_t pause_ns) {
   const int signal = signals_.wait(std::min(pause_ns, kTickNs));
   if (signal == SIGTERM || signal == SIGINT) {
-    spdlog::info("stopping: asked to by signal {}", signal);
+    spdlog::info("stopping on signal {}", signal);
     stop_asked_ = true;
     service_.stopping();
   }
@@ -97,7 +97,7 @@ bool StartUp::tick(std::int64_t pause_ns) {
   return !stop_asked_;
 }
 
-void StartUp::tell(const Error& error) {
+void StartUp::report(const Error& error) {
   const std::string state = error.what + ": " + error.where;
   waiting_for_ = fmt::format("waiting for a camera: {}", error.line());
   std::replace(waiting_for_.begin(), waiting_for_.end(), '\n', ' ');
@@ -126,7 +126,7 @@ Result<std::unique_ptr<Rig>> StartUp::try_once() {
     if (attempt->rig && !waiting_for_.empty()) spdlog::info("what was waited for is there");
     return std::move(attempt->rig);
   }
-  tell(attempt->rig.error());
+  report(attempt->rig.error());
   return std::unique_ptr<Rig>();
 }
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How the daemon comes by its pairs: opens the source, which may have to be waited for, and makes what works on them.
 // Slow steps run on a thread of their own; meanwhile the watchdog is fed, signals are taken, and what is waited for is
-// told: in the service's status, in VO_HEALTH, and in the log once whenever it changes.
+// reported: in the service's status, in VO_HEALTH, and in the log once whenever it changes.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,7 @@ struct Rig {
   OdometryStage odometry;
 };
 
-// One try. trouble: told with an error.
+// One try. trouble: set with an error.
 Result<std::unique_ptr<Rig>> open_rig(const Config& config, drivers::OpenTrouble& trouble);
 
 // VO_HEALTH while a camera is waited for.
@@ -38,17 +38,17 @@ class StartUp {
  public:
   StartUp(const Config& config, const Signals& signals, Service& service);
 
-  // One try. An error: waiting does not help. Null: a camera is not there, or it was asked to stop meanwhile.
+  // One try. An error: waiting does not help. Null: a camera is not there, or a stop was requested meanwhile.
   Result<std::unique_ptr<Rig>> try_once();
-  // Tries until it is there. Null: asked to stop.
+  // Tries until it is there. Null: a stop was requested.
   Result<std::unique_ptr<Rig>> wait(Publisher& publisher);
   bool stop_asked() const { return stop_asked_; }
-  // A SIGHUP came meanwhile; what it asks for is to be done once frames flow.
+  // A SIGHUP came meanwhile; the reload is to be done once frames flow.
   bool reload_asked() const { return reload_asked_; }
 
  private:
   bool tick(std::int64_t pause_ns);
-  void tell(const Error& error);
+  void report(const Error& error);
 
   const Config& config_;
   const Signals& signals_;

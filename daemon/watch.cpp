@@ -72,7 +72,7 @@ void watch(const Watched& watched, const Signals& signals, const std::function<v
   while (!watched.pipeline.wait_finished(0)) {
     const int signal = signals.wait(kTickNs);
     if (signal == SIGTERM || signal == SIGINT) {
-      spdlog::info("stopping: asked to by signal {}", signal);
+      spdlog::info("stopping on signal {}", signal);
       break;
     }
     if (signal == SIGHUP) {

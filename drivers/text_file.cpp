@@ -92,6 +92,7 @@ Result<std::string> read_text_file(const std::string& path, const std::string& k
                  "it is torn (copy it again) or no text (NumPy, MATLAB, pickle: save it as YAML or JSON)"};
   }
   if (text.compare(0, 3, "\xEF\xBB\xBF") == 0) text.erase(0, 3);
+  if (text.find('\n') == std::string::npos) std::replace(text.begin(), text.end(), '\r', '\n');  // of an old Mac
   return text;
 }
 

@@ -13,7 +13,7 @@ constexpr int kReducedWidth = 256;
 constexpr int kMostDisparity = 64;  // px of the reduced image
 constexpr int kRows = 2;            // by which raw images may be off, reduced
 
-// A pair tells something when this share of it matches one way, and this many times more than the other way.
+// A pair is evidence when this share of it matches one way, and this many times more than the other way.
 constexpr double kLeastShare = 0.12;
 constexpr double kLeastRatio = 3.0;
 constexpr int kLeastPairs = 2;

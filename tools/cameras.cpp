@@ -168,7 +168,7 @@ bool unplug_once(const daemon::SourceConfig& config) {
     report(source.error());
     return false;
   }
-  fmt::print("unplug a camera, wait until that is told, and plug it in again (60 s)\n");
+  fmt::print("unplug a camera, wait until that is reported, and plug it in again (60 s)\n");
   std::fflush(stdout);
   const std::int64_t give_up_ns = monotonic_ns() + 60'000'000'000;
   std::atomic<std::int64_t> pairs{0};
@@ -244,7 +244,8 @@ void add_cameras_command(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0.5, 3600.0))
       ->type_name("S");
   CLI::Option* json = tests->add_flag("--json", arguments->json, "Print JSON: each run's figures and complaints");
-  tests->add_flag("--unplug", arguments->unplug, "Ask for a camera to be unplugged, too")->excludes(json);
+  tests->add_flag("--unplug", arguments->unplug, "Also test the loss of a camera: it has to be unplugged")
+      ->excludes(json);
   tests
       ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
       ->check(CLI::NonNegativeNumber)

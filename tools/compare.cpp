@@ -86,7 +86,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
   compare
       ->add_option_function<double>(
           "--time-gate", [arguments](const double& gate) { arguments->gates.time = gate; },
-          "The same of times, which else are told and not judged: another program may have run beside")
+          "The same of times, which else are listed and not judged: another program may have run beside")
       ->check(CLI::Range(1.0, 1e6))
       ->type_name("R");
   compare->add_flag("--json", arguments->json, "Print JSON instead of the table");

@@ -20,7 +20,7 @@ struct CtlOptions {
   bool json = false;
 };
 
-int ask(const CtlOptions& options, const std::string& request) {
+int send(const CtlOptions& options, const std::string& request) {
   const auto reply = daemon::ask_daemon(options.socket, request);
   if (!reply) return report(reply.error());
   if (request != "status" || options.json) {
@@ -66,7 +66,7 @@ Result<std::string> status_summary(const std::string& json) {
 
 void add_ctl_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<CtlOptions>();
-  CLI::App* ctl = app.add_subcommand("ctl", "Tell the running daemon what to do, or ask how it gets on");
+  CLI::App* ctl = app.add_subcommand("ctl", "Send the running daemon a command, or show its status");
   ctl->add_option("--socket", options->socket, "The daemon's control.socket")->type_name("PATH")->capture_default_str();
   ctl->require_subcommand(1);
   ctl->fallthrough();  // --socket may come behind
@@ -76,7 +76,7 @@ void add_ctl_command(CLI::App& app, int& exit_code) {
         std::pair{"record-stop", "End the recording"}, std::pair{"status", "State, rates, latency, recording"}}) {
     CLI::App* one = ctl->add_subcommand(request, text);
     if (std::string(request) == "status") one->add_flag("--json", options->json, "As JSON, with every figure");
-    one->callback([options, &exit_code, word = std::string(request)] { exit_code = ask(*options, word); });
+    one->callback([options, &exit_code, word = std::string(request)] { exit_code = send(*options, word); });
   }
   ctl->footer(
       "The socket is for the daemon's user and group: usermod -aG cliquevo USER lets USER command it.\n"

@@ -72,7 +72,7 @@ int run(const DoctorOptions& options) {
 
 void add_doctor_command(CLI::App& app, int& exit_code) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* doctor = app.add_subcommand("doctor", "Tell what a real-time vehicle needs and what this machine has");
+  CLI::App* doctor = app.add_subcommand("doctor", "List what a real-time vehicle needs and what this machine has");
   daemon::add_config_options(
       *doctor, options->config,
       "Configuration whose LCM URL, source and calibration are looked at (default: as cliquevod)");

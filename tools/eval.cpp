@@ -125,7 +125,7 @@ int run_eval(const EvalArguments& arguments) {
   return kDone;
 }
 
-// nan is above nothing and below nothing: it must be asked for what it is not.
+// nan is above nothing and below nothing: so test for what is allowed, not for what is not.
 CLI::Validator in_range(double least, double most, bool (*taken)(double, double), const std::string& what) {
   return CLI::Validator(
       [=](const std::string& text) {

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kSysctlRemedy = "install the package's /usr/lib/sysctl.d/60-cliquevo.conf, then sysctl --system";
-constexpr long kWantedReceiveBuffer = 2 * 1024 * 1024;  // what LCM's manual asks for
+constexpr long kWantedReceiveBuffer = 2 * 1024 * 1024;  // what LCM's manual recommends
 
 std::string first_line(const fs::path& path) {
   std::ifstream in(path);
@@ -44,7 +44,7 @@ Finding kernel(const fs::path& root) {
     f.found = "preemptible, but not PREEMPT_RT: wake-ups can be late by milliseconds under load";
   } else {
     f.verdict = Verdict::advice;
-    f.found = version.empty() ? "not told" : "not preemptible";
+    f.found = version.empty() ? "not reported" : "not preemptible";
   }
   return f;
 }
@@ -105,7 +105,7 @@ Finding isolated_cores(const fs::path& root) {
 
 Finding throttling(const fs::path& root) {
   const std::string runtime = first_line(root / "proc/sys/kernel/sched_rt_runtime_us");
-  if (runtime.empty()) return {"real-time share", Verdict::good, "not told", ""};
+  if (runtime.empty()) return {"real-time share", Verdict::good, "not reported", ""};
   if (runtime == "0") {
     return {"real-time share", Verdict::missing, "real-time threads get no time",
             "sysctl kernel.sched_rt_runtime_us=950000"};
@@ -124,7 +124,7 @@ Finding compaction(const fs::path& root) {
 Finding receive_buffer(const fs::path& root) {
   const std::string text = first_line(root / "proc/sys/net/core/rmem_max");
   const long bytes = std::atol(text.c_str());
-  if (text.empty()) return {"receive buffers", Verdict::good, "not told", ""};
+  if (text.empty()) return {"receive buffers", Verdict::good, "not reported", ""};
   if (bytes >= kWantedReceiveBuffer) return {"receive buffers", Verdict::good, fmt::format("{} kB", bytes / 1024), ""};
   return {"receive buffers", Verdict::advice, fmt::format("{} kB: large messages may be lost", bytes / 1024),
           kSysctlRemedy};
@@ -136,7 +136,7 @@ Finding lcm_route(const std::string& url) {
   return {"LCM route", Verdict::missing, ok.error().what + ": " + url, ok.error().remedy};
 }
 
-// An estimate of the clock's error is only told while something keeps it in step.
+// An estimate of the clock's error is only reported while something keeps it in step.
 Finding clock_sync() {
   timex state{};
   if (::adjtimex(&state) >= 0 && (state.status & STA_UNSYNC) == 0) {

@@ -99,7 +99,7 @@ int run(const InfoArguments& arguments) {
     if (!arguments.json) print_streams(*found);
   }
   const auto source = open_source(arguments.source, config);
-  if (!source) {  // what is there has been told; why it cannot be played is the error
+  if (!source) {  // what is there has been listed; why it cannot be played is the error
     page["played"] = nullptr;
     if (arguments.json) fmt::print("{}\n", dump(page));
     return report(source.error());
@@ -117,7 +117,7 @@ int run(const InfoArguments& arguments) {
 
 void add_info_command(CLI::App& app, int& exit_code) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* info = app.add_subcommand("info", "Tell what is in a recording, log, bag, video or the simulator");
+  CLI::App* info = app.add_subcommand("info", "List what is in a recording, log, bag, video or the simulator");
   info->add_option("SOURCE", arguments->source.text, "As `cliquevo replay` takes it")->required();
   info->add_flag("--json", arguments->json, "As JSON");
   add_calibration_options(*info, arguments->source);

@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
   app.formatter(std::make_shared<HelpFormat>());
   app.footer(
       "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 asked-for strictness not met.\n"
-      "`cliquevo COMMAND --help` tells each command's options, with examples.");
+      "`cliquevo COMMAND --help` lists each command's options, with examples.");
   add_replay_command(app, exit_code);
   add_info_command(app, exit_code);
   add_disparity_command(app, exit_code);

@@ -55,7 +55,7 @@ Result<RigidTransform> rectified_camera_on_body(const std::string& path, const S
   const auto T_body_camera = read_mounting(camera_file);
   if (!T_body_camera) {
     return Error{"EuRoC ground truth is of the body, and where the camera sits is not known", path,
-                 "leave it in its recording: " + camera_file.string() + " tells"};
+                 "leave it in its recording: " + camera_file.string() + " has it"};
   }
   // The ground truth's own sensor is the body, as a rule.
   RigidTransform T_body_sensor;

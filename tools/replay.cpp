@@ -91,7 +91,7 @@ Result<ReplayOutputs> open_outputs(const ReplayArguments& arguments, const daemo
   return out;
 }
 
-// The reference asked for, or what the source brings along; none of it can fail the run but what was asked for.
+// The reference given, or what the source brings along; none of it can fail the run but a reference that was given.
 Result<std::optional<RunReference>> find_reference(const ReplayArguments& arguments, const RunLog& log,
                                                    const drivers::SourceInfo& info) {
   if (!arguments.reference.empty()) {
@@ -234,8 +234,7 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
   replay
       .add_option("SOURCE", source.text,
                   "A recording's folder (KITTI, KITTI-360, EuRoC, two folders of images, images of both cameras in one "
-                  "folder: told "
-                  "apart by what is in it), an LCM log, sim, or sim:key=value,...")
+                  "folder: recognised by what is in it), an LCM log, sim, or sim:key=value,...")
       ->required();
   add_calibration_options(replay, source);
   replay.add_option_function<std::int64_t>("--first", into(source.first), "First pair to play, counted from 0")
@@ -321,7 +320,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
   replay->add_flag("--strict", arguments->strict,
                    "Exit with 3 if a frame failed, and at once at a pair that cannot be played");
   replay->footer(
-      "Every pair is processed, in order; one that cannot be read, or whose stamp steps back, is skipped and told: "
+      "Every pair is processed, in order; one that cannot be read, or whose stamp steps back, is skipped and named: "
       "its\n"
       "line of the trajectory holds the pose before it. Exit codes: 0 done; 1 bad input or environment; 2 wrong "
       "usage;\n"

@@ -101,7 +101,7 @@ Result<void> check_source(const SourceArgument& argument) {
     const auto parsed = drivers::parse_simulator_options(argument.text.substr(4));
     return parsed ? Result<void>() : parsed.error();
   }
-  // nan passes every comparison that asks for less or more.
+  // nan passes every test for too little or too much.
   if (argument.rate_hz && !(*argument.rate_hz >= 1e-3 && *argument.rate_hz <= 1e6)) {
     return Error{"wrong usage", "--rate", "give a rate of 0.001 to 1000000 Hz"};
   }

@@ -49,7 +49,7 @@ Result<void> check_source(const SourceArgument& argument);
 // --rate, --channel, --topics, --side-by-side and --swap-eyes, for every command with a SOURCE.
 void add_recording_options(CLI::App& command, SourceArgument& argument);
 
-// What is asked of the recording that SOURCE names.
+// How the recording that SOURCE names is to be read.
 drivers::RecordingOptions recording_options(const SourceArgument& argument, const daemon::SourceConfig& config);
 
 // What the command line leaves open, the configuration decides (its simulator for a bare `sim`, its calibration, masks

@@ -77,11 +77,11 @@ int run(ViewArguments& arguments) {
   auto feed = open_feed(arguments, config);
   if (!feed) return report(feed.error());
   const StopOnSignal signals;
-  const auto told = [](const std::string& address) {
+  const auto announce = [](const std::string& address) {
     fmt::print("{}\n", address);
     std::fflush(stdout);
   };
-  const auto done = run_view(std::move(*feed), arguments.options, told, [] { return StopOnSignal::asked(); });
+  const auto done = run_view(std::move(*feed), arguments.options, announce, [] { return StopOnSignal::asked(); });
   return done ? kDone : report(done.error());
 }
 
@@ -111,9 +111,10 @@ void add_view_command(CLI::App& app, int& exit_code, const std::string& version)
       ->capture_default_str()
       ->type_name("N");
   command
-      ->add_option("--listen", server.listen,
-                   "Address to serve at. Another than loopback can be reached by others: the address told then holds a "
-                   "token, without which nothing is served")
+      ->add_option(
+          "--listen", server.listen,
+          "Address to serve at. Another than loopback can be reached by others: the address printed then holds a "
+          "token, without which nothing is served")
       ->capture_default_str()
       ->type_name("ADDR");
   command

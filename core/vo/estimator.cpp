@@ -183,7 +183,7 @@ Sigmas Estimator::match_sigmas(double looser) const {
 Sigmas Estimator::refined_sigmas() const { return {params_.sigma_px, params_.disparity_sigma_px, shift_sigma_px_}; }
 
 // A5 from a first motion on, and those checks of A6 that need the solution alone; again for as long as what was found
-// is not enough but finds more. True when nothing speaks against it.
+// is not enough but finds more. True when no check fails.
 // Checks here need the solution alone; one that fails ends the attempt.
 bool Estimator::settle(const FramePair& pair, PatchSize patches, Comparison& out) {
   for (int attempt = 0, inliers = 0; attempt < kAttempts; ++attempt) {
@@ -236,7 +236,7 @@ void Estimator::refine(const FramePair& pair, PatchSize patches, Comparison& out
     others.last = kPilots + enough - std::min(enough, observations_.size());
   }
   tracker_.track(pair.reference, current, out.motion.T_prev_cur, 0, others, patches, errors(pair, out), observations_);
-  // The solver wants them grouped by reference.
+  // The solver takes them grouped by reference.
   std::rotate(observations_.begin() + of_pilots, observations_.begin() + of_pilots + of_key, observations_.end());
   out.motion = solver_.solve(observations_, references_, out.motion.T_prev_cur, refined_sigmas(), Precision::full,
                              out.motion.shift_px);

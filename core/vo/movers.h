@@ -14,7 +14,7 @@
 namespace cliquevo::vo {
 
 inline constexpr int kMostMovers = 4;        // in a frame
-inline constexpr int kMostMoverPoints = 32;  // told of each
+inline constexpr int kMostMoverPoints = 32;  // listed of each
 
 // A matched point of a mover.
 struct MoverPoint {

@@ -34,7 +34,7 @@ class OtherMotions {
   std::size_t count_ = 0;
 };
 
-// `reference` and `current`, as the solver wants them.
+// `reference` and `current`, as the solver takes them.
 Observation observe_match(const Frame& reference, const Frame& current, const Match& match);
 
 class OtherMotionFinder {

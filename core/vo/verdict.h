@@ -13,7 +13,7 @@ enum class Status : std::int8_t {
   too_few_features = 2,    // features, matches or clique too small
   degenerate = 3,          // spread of the inliers too one-sided to fix the motion
   reprojection_error = 4,  // the inliers do not agree on one motion
-  ambiguous = 5,           // a second motion is well supported, or much of the picture speaks against the one found
+  ambiguous = 5,           // a second motion is well supported, or much of the picture contradicts the one found
   weak = 6,                // a motion was found, but by its own covariance it is hardly known
 };
 // "too few features"

@@ -88,11 +88,11 @@ struct CommandReceiver::Impl {
     const Packet packet = parse_command_packet({buffer.data(), static_cast<std::size_t>(got)}, channel, number);
     if (packet == Packet::foreign) return true;
     if (local_only && !is_local(from.sin_addr)) {
-      incidents.add("commands from another machine were not obeyed: lcm.url has ttl=0");
+      incidents.add("commands from another machine were ignored: lcm.url has ttl=0");
     } else if (packet == Packet::damaged) {
       incidents.add("damaged packets on the command channel were left alone");
     } else {
-      obey(number);
+      carry_out(number);
     }
     return true;
   }
@@ -104,7 +104,7 @@ struct CommandReceiver::Impl {
     return (from.s_addr == INADDR_ANY && none_from_outside) || local.contains(from);
   }
 
-  void obey(std::int8_t number) {
+  void carry_out(std::int8_t number) {
     const auto command = command_of_number(number);
     if (!command) return incidents.add("commands that are not known were left alone");
     const std::int64_t now_ns = monotonic_ns();

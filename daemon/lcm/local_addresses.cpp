@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 
-std::vector<in_addr_t> ask() {
+std::vector<in_addr_t> query() {
   std::vector<in_addr_t> out;
   ifaddrs* list = nullptr;
   if (::getifaddrs(&list) != 0) return out;
@@ -38,7 +38,7 @@ bool LocalAddresses::contains(in_addr address) {
   const std::int64_t now_ns = monotonic_ns();
   if (asked_ns_ != 0 && now_ns - asked_ns_ < kSecondNs) return false;
   asked_ns_ = now_ns;
-  known_ = ask();
+  known_ = query();
   return known();
 }
 

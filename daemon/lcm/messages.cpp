@@ -185,11 +185,11 @@ void MessageBuilder::build_status(const PublishedFrame& frame, TimestampNs publi
   out.dropped = frame.dropped;
   out.resets = frame.resets;
   const vo::CalibrationCheck& c = e.calibration;
-  const auto told = [&c](double value) { return c.frames > 0 && std::isfinite(value) ? value : 0.0; };
-  out.disparity_offset_px = told(c.disparity_offset_px);
-  out.disparity_offset_sigma_px = told(c.disparity_offset_sigma_px);
-  out.vertical_px = told(c.vertical_px);
-  out.vertical_sigma_px = told(c.vertical_sigma_px);
+  const auto measured = [&c](double value) { return c.frames > 0 && std::isfinite(value) ? value : 0.0; };
+  out.disparity_offset_px = measured(c.disparity_offset_px);
+  out.disparity_offset_sigma_px = measured(c.disparity_offset_sigma_px);
+  out.vertical_px = measured(c.vertical_px);
+  out.vertical_sigma_px = measured(c.vertical_sigma_px);
   out.calibration_off = c.noticeable() ? 1 : 0;
   out.vehicle_in_view = e.vehicle_part.frames > 0 ? 1 : 0;
 }

@@ -61,19 +61,19 @@ Resolved ask_name_server(const ServerUrl& server, int flags) {
   return out;
 }
 
-// A name server that does not answer holds up who asks for half a minute and cannot be left alone: it is asked on a
-// thread that is left to itself, one at a time. Nothing: no answer yet; who comes again for the same name gets it then.
+// A name server that does not answer blocks the caller for half a minute, and the call cannot be cancelled: it runs on
+// a detached thread, one at a time. Nothing: no answer yet; a later call for the same name returns it.
 std::optional<Resolved> resolve(const ServerUrl& server) {
   if (const Resolved plain = ask_name_server(server, AI_NUMERICHOST); plain.error == 0) return plain;
   static std::mutex mutex;
-  static std::string asked;  // host and port
+  static std::string looked_up;  // host and port
   static std::shared_future<Resolved> answer;
   const std::lock_guard<std::mutex> lock(mutex);
   const std::string name = server.host + ":" + std::to_string(server.port);
-  if (!answer.valid() || asked != name) {
+  if (!answer.valid() || looked_up != name) {
     std::promise<Resolved> promise;
     answer = promise.get_future().share();
-    asked = name;
+    looked_up = name;
     std::thread([server, promise = std::move(promise)]() mutable {
       promise.set_value(ask_name_server(server, 0));
     }).detach();
@@ -114,7 +114,7 @@ struct TcpqClient::Impl {
     if (state == State::connecting) finish_connecting();
     if (state == State::greeting) read_greeting();
     if ((state == State::connecting || state == State::greeting) && monotonic_ns() > deadline_ns) {
-      lose("the LCM server says nothing", 0);
+      lose("the LCM server does not answer", 0);
     }
     if (state == State::ready) flush();
   }
@@ -189,7 +189,7 @@ Result<std::unique_ptr<TcpqClient>> TcpqClient::open(const std::string& url) {
   if (!address) return address.error();
   const auto resolved = resolve(*address);
   if (!resolved) {
-    return Error{"the LCM server's name is not known yet: the name server says nothing", url,
+    return Error{"the LCM server's name is not known yet: the name server does not answer", url,
                  "write the server's address in place of its name, or see to the name server"};
   }
   if (resolved->error != 0) return Error{"unknown host in the LCM URL", url, ::gai_strerror(resolved->error)};
@@ -197,7 +197,7 @@ Result<std::unique_ptr<TcpqClient>> TcpqClient::open(const std::string& url) {
   impl->server = resolved->address;
   const bool ready = impl->wait(kGreetingNs, [&] { return impl->state == Impl::State::ready; });
   if (!ready) {
-    if (impl->problem.empty()) impl->problem = "the LCM server says nothing";
+    if (impl->problem.empty()) impl->problem = "the LCM server does not answer";
     return Error{impl->problem, url, "start lcm-tcpq-server there"};
   }
   return std::unique_ptr<TcpqClient>(new TcpqClient(std::move(impl)));

@@ -13,13 +13,14 @@ namespace {
 // One each in the work of grabber, stereo and odometry, backlog + 1 waiting between two of them, and one to spare.
 constexpr int slots_for(int backlog) { return 2 * backlog + 6; }
 
-// Slots are locked in memory: of large images fewer may wait than was asked for.
-int backlog_within(int asked, const drivers::SourceInfo& info) {
+// Slots are locked in memory: of large images fewer may wait than configured.
+int backlog_within(int wanted, const drivers::SourceInfo& info) {
   constexpr std::int64_t kMostBytes = std::int64_t{256} << 20;
   constexpr std::int64_t kBytesPerPixel = 7;  // raw and rectified pair, filtered image, disparity
   const std::int64_t slot = std::max<std::int64_t>(1, kBytesPerPixel * info.width * info.height);
   const std::int64_t most = (kMostBytes / slot - slots_for(0)) / (slots_for(1) - slots_for(0));
-  return static_cast<int>(std::clamp<std::int64_t>(std::min<std::int64_t>(asked, most), 0, rt::Handover::kMostBacklog));
+  return static_cast<int>(
+      std::clamp<std::int64_t>(std::min<std::int64_t>(wanted, most), 0, rt::Handover::kMostBacklog));
 }
 
 PipelineOptions for_source(PipelineOptions options, const drivers::FrameSource& source) {

@@ -146,7 +146,7 @@ Result<AravisCamera> AravisCamera::open(const std::string& name, const CameraOpt
   return set_up.error();
 }
 
-// Whether it is still there and ours: else what it refused says nothing.
+// Whether it is still there and ours: else what it refused means nothing.
 bool AravisCamera::answers() {
   GlibError error;
   guint32 ignored = 0;
@@ -191,7 +191,7 @@ Result<void> AravisCamera::set_up_trigger(const CameraOptions& options) {
     if (error.failed()) return refused("the frame rate", error.text());
     const double rate_hz = arv_camera_get_frame_rate(camera_.get(), error.out());
     if (std::abs(rate_hz - options.rate_hz) > 0.05 * options.rate_hz) {
-      return refused("the frame rate", fmt::format("it gives {:.3f} Hz where {:.3f} are asked: set rate_hz to that",
+      return refused("the frame rate", fmt::format("it gives {:.3f} Hz where {:.3f} are set: set rate_hz to that",
                                                    rate_hz, options.rate_hz));
     }
   }
@@ -218,7 +218,7 @@ Result<void> AravisCamera::set_up(const CameraOptions& options, bool follows) {
     if (error.failed()) return refused("the region", error.text());
   }
   arv_camera_get_region(camera, &x, &y, &width, &height, error.out());
-  if (error.failed() || width < 16 || height < 16) return refused("to tell its region", error.text());
+  if (error.failed() || width < 16 || height < 16) return refused("to report its region", error.text());
   width_ = width;
   height_ = height;
   if ((options.width > 0 && width != options.width) || (options.height > 0 && height != options.height)) {
@@ -260,10 +260,10 @@ Result<void> AravisCamera::open_stream(const CameraOptions& options) {
                  request.resend ? ARV_GV_STREAM_PACKET_RESEND_ALWAYS : ARV_GV_STREAM_PACKET_RESEND_NEVER, nullptr);
   }
   const auto payload = static_cast<std::size_t>(arv_camera_get_payload(camera_.get(), error.out()));
-  if (error.failed()) return refused("to tell its frames' size", error.text());
+  if (error.failed()) return refused("to report its frames' size", error.text());
   const std::size_t most = 2 * kMostAround * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_);
   if (payload > most + kMostExtra) {
-    return refused("frames of a size that fits its region", fmt::format("it tells {} bytes for {}x{}: set width and "
+    return refused("frames of a size that fits its region", fmt::format("it reports {} bytes for {}x{}: set width and "
                                                                         "height",
                                                                         payload, width_, height_));
   }
@@ -286,7 +286,7 @@ Result<void> AravisCamera::guard(std::size_t payload_bytes) {
   shape.camera_address = ntohl(network_order);
   shape.payload_bytes = payload_bytes;
   shape.packet_bytes = static_cast<std::size_t>(arv_camera_gv_get_packet_size(camera_.get(), error.out()));
-  if (error.failed()) return refused("to tell its packets' size", error.text());
+  if (error.failed()) return refused("to report its packets' size", error.text());
   shape.width = static_cast<std::uint32_t>(width_);
   shape.height = static_cast<std::uint32_t>(height_);
   const auto ok = guard_stream(arv_gv_stream_get_port(ARV_GV_STREAM(stream_.get())), stream_filter(shape));

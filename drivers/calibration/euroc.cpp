@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // EuRoC's sensor.yaml pair, Kalibr's camera chains and OKVIS' list: the same cameras in two files or in one.
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "drivers/calibration/checks.h"
@@ -123,8 +125,18 @@ bool is_euroc(const CalibrationText& file) {
 bool is_kalibr(const CalibrationText& file) {
   if (!file.document) return false;
   const DocumentNode* cam0 = file.document->root().find("cam0");
-  // Other formats name cameras so too; Kalibr's have their intrinsics in four numbers or more.
-  return cam0 != nullptr && (cam0->find("intrinsics") != nullptr || cam0->entries.empty());
+  if (cam0 == nullptr) return false;
+  const DocumentNode* intrinsics = cam0->find("intrinsics");
+  if (intrinsics == nullptr) return cam0->entries.empty();
+  // Others name cameras so too, with a matrix or with names for fx and so on, or with the pose elsewhere.
+  const auto& items = intrinsics->items;
+  if (!intrinsics->entries.empty() || items.size() == 9) return false;
+  if (!items.empty() && items.front().kind == DocumentNode::Kind::list) return false;
+  const DocumentNode* cam1 = file.document->root().find("cam1");
+  if (cam1 == nullptr) return true;
+  return std::any_of(cam1->entries.begin(), cam1->entries.end(), [](const DocumentEntry& entry) {
+    return entry.name.starts_with("T_") || entry.name == "camera_model" || entry.name == "distortion_model";
+  });
 }
 
 bool is_okvis(const CalibrationText& file) {

@@ -2,86 +2,30 @@
 #include "drivers/calibration/key_names.h"
 
 #include <algorithm>
-#include <cctype>
-#include <initializer_list>
-#include <string_view>
+
+#include "drivers/calibration/key_words.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0; }
-
-bool among(const std::string& word, std::initializer_list<const char*> words) {
-  return std::any_of(words.begin(), words.end(), [&](const char* w) { return word == w; });
-}
-
-// Words in lower case: split at other characters, between small and capital letters, letters and digits.
-std::vector<std::string> words_of(const std::string& key) {
-  std::vector<std::string> out;
-  bool open = false;
-  for (std::size_t i = 0; i < key.size(); ++i) {
-    const char c = key[i];
-    if (!is_letter(c) && !is_digit(c)) {
-      open = false;
-      continue;
-    }
-    if (open) {
-      const char before = key[i - 1];
-      const bool next_small = i + 1 < key.size() && is_letter(key[i + 1]) && !is_upper(key[i + 1]);
-      const bool cut = is_digit(c) != is_digit(before) || (is_upper(c) && !is_upper(before)) ||
-                       (is_upper(c) && is_upper(before) && next_small);
-      open = !cut;
-    }
-    if (!open) out.emplace_back();
-    open = true;
-    out.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  }
-  return out;
-}
-
-bool is_number(const std::string& word) { return !word.empty() && is_digit(word[0]); }
-
-// Words that a single letter for the camera is written to: "KL", "fxr", "mtxl".
-void split_fused(std::vector<std::string>& words) {
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string& w = words[i];
-    if (among(w, {"tlr", "trl", "rlr", "rrl"})) {
-      const std::string what = w.substr(0, 1);
-      words[i] = what;
-      words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, "lr");
-      continue;
-    }
-    if (w.size() < 2 || (w.back() != 'l' && w.back() != 'r')) continue;
-    const std::string stem = w.substr(0, w.size() - 1);
-    if (!among(stem, {"k", "m", "d", "p", "r", "fx", "fy", "cx", "cy", "mtx", "dist", "kc", "cam", "matrix", "coeffs",
-                      "coeff", "intrinsics", "distortion", "xi"})) {
-      continue;
-    }
-    const std::string letter(1, w.back());
-    words[i] = stem;
-    words.insert(words.begin() + static_cast<std::ptrdiff_t>(i) + 1, letter);
-  }
-}
-
 // A word without meaning for the value.
 bool is_filler(const std::string& w) {
   return among(
-      w, {"camera",  "cam",       "cameras",     "matrix", "mat",          "mtx",        "parameters",  "params",
-          "param",   "parameter", "calibration", "calib",  "coefficients", "coefficent", "coefficents", "coefficient",
-          "coeffs",  "coeff",     "coefs",       "coef",   "vector",       "vec",        "the",         "of",
-          "between", "stereo",    "value",       "values", "to",           "raw",        "px",          "m",
-          "image",   "img",       "eye",         "data",   "rgb",          "ir",         "nir",         "color",
-          "colour",  "gray",      "grey",        "mono",   "infra"});
+      w, {"camera",      "cam",     "cameras",   "matrix",      "matrices", "mat",          "mtx",        "parameters",
+          "params",      "param",   "parameter", "calibration", "calib",    "coefficients", "coefficent", "coefficents",
+          "coefficient", "coeffs",  "coeff",     "coefs",       "coef",     "vector",       "vec",        "the",
+          "of",          "between", "stereo",    "value",       "values",   "to",           "raw",        "px",
+          "m",           "image",   "img",       "eye",         "data",     "rgb",          "ir",         "nir",
+          "color",       "colour",  "gray",      "grey",        "mono",     "infra"});
 }
 
 // Words beside which a single "r" is still a rotation.
 bool names_camera_or_frame(const std::string& w) {
-  return among(w, {"r",         "l",          "left", "right", "cam",    "camera", "stereo", "calib", "calibration",
-                   "extrinsic", "extrinsics", "to",   "from",  "world",  "imu",    "body",   "rig",   "c",
-                   "rgb",       "ir",         "nir",  "color", "colour", "gray",   "grey",   "mono",  "infra"});
+  return among(w, {"r",           "l",         "left",       "right",  "cam",  "camera",   "stereo", "calib",
+                   "calibration", "extrinsic", "extrinsics", "to",     "from", "world",    "imu",    "body",
+                   "rig",         "c",         "lr",         "rl",     "extr", "relative", "rel",    "rgb",
+                   "ir",          "nir",       "color",      "colour", "gray", "grey",     "mono",   "infra"});
 }
 
 struct Words {
@@ -105,9 +49,9 @@ Words sort_words(std::vector<std::string> words, bool of_a_group, KeyMeaning& me
     meaning.side = meaning.side == KeySide::none || meaning.side == side ? side : KeySide::both;
   };
   for (const std::string& w : words) {
-    if (among(w, {"left", "l", "lft", "first"})) {
+    if (among(w, {"left", "l", "lft", "first", "links", "gauche", "izquierda", "izq", "sinistra", "esquerda"})) {
       see(KeySide::left);
-    } else if (among(w, {"right", "rgt", "second"})) {
+    } else if (among(w, {"right", "rgt", "second", "rechts", "droite", "derecha", "der", "destra", "direita"})) {
       see(KeySide::right);
     } else if (among(w, {"lr", "rl"})) {
       meaning.side = KeySide::both;
@@ -121,7 +65,7 @@ Words sort_words(std::vector<std::string> words, bool of_a_group, KeyMeaning& me
       }
     } else {
       rotation = rotation || w == "r";
-      out.matrix = out.matrix || among(w, {"matrix", "mat", "mtx", "camera", "cam"});
+      out.matrix = out.matrix || among(w, {"matrix", "matrices", "mat", "mtx", "camera", "cam"});
       out.coefficients = out.coefficients || w.starts_with("coef");
       out.m = out.m || w == "m";
       if (!is_filler(w)) out.rest.push_back(w);
@@ -148,19 +92,36 @@ void read_pose(const std::vector<std::string>& words, KeyMeaning& meaning) {
   meaning.body_first = body != words.end() && (camera == words.end() || body < camera);
 }
 
+// "focal_length_x", "c_y", "alpha_u": a length or a coordinate, and its axis.
+Quantity along_axis(const std::vector<std::string>& rest) {
+  if (rest.size() < 2 || !among(rest.back(), {"x", "y", "u", "v"})) return Quantity::none;
+  const bool first = among(rest.back(), {"x", "u"});
+  const std::string& what = rest[rest.size() - 2];
+  const bool focal = among(what, {"f", "focal", "focallength", "alpha"}) ||
+                     (what == "length" && rest.size() > 2 && rest[rest.size() - 3] == "focal");
+  if (focal) return first ? Quantity::fx : Quantity::fy;
+  const bool centre = among(what, {"c", "cc", "pp", "center", "centre", "principal", "principalpoint"}) ||
+                      (what == "point" && rest.size() > 2 && rest[rest.size() - 3] == "principal");
+  if (centre) return first ? Quantity::cx : Quantity::cy;
+  return Quantity::none;
+}
+
 Quantity scalar(std::vector<std::string> rest) {
-  while (!rest.empty() && unit_named(rest.back()) > 0.0) rest.pop_back();
+  while (!rest.empty() && (unit_named(rest.back()) > 0.0 || rest.back() == "in")) rest.pop_back();
+  if (rest.size() > 1 && rest.front() == "baseline" && among(rest.back(), {"length", "distance"})) rest.pop_back();
   if (rest.empty()) return Quantity::none;
+  if (const Quantity q = along_axis(rest); q != Quantity::none) return q;
   const std::string& w = rest.back();
   if (among(w, {"fx", "fu", "gamma1", "alphax"})) return Quantity::fx;
   if (among(w, {"fy", "fv", "alphay"})) return Quantity::fy;
-  if (among(w, {"cx", "cu", "ppx", "u"})) return Quantity::cx;
-  if (among(w, {"cy", "cv", "ppy", "v"})) return Quantity::cy;
+  if (among(w, {"cx", "cu", "ppx", "u", "u0"})) return Quantity::cx;
+  if (among(w, {"cy", "cv", "ppy", "v", "v0"})) return Quantity::cy;
   if (among(w, {"f", "focal", "focallength"}) || (w == "length" && rest.front() == "focal")) return Quantity::focal;
   if (among(w, {"width", "cols", "w"})) return Quantity::width;
   if (among(w, {"height", "rows", "h"})) return Quantity::height;
   if (w == "bf" || w == "fb" || (w == "baseline" && rest.front() == "focal")) return Quantity::bf;
-  if (w == "baseline" || w == "b") return Quantity::baseline;
+  const bool parted = w == "line" && rest.size() > 1 && rest[rest.size() - 2] == "base";
+  if (w == "baseline" || w == "b" || parted) return Quantity::baseline;
   if (w == "xi") return Quantity::xi;
   if (w == "alpha") return Quantity::alpha;
   if (w == "beta") return Quantity::beta;
@@ -184,6 +145,18 @@ bool is_of_something_else(const std::vector<std::string>& words) {
            among(w, {"pattern", "corner", "corners", "inner", "marker", "tag", "aruco", "charuco", "april", "aprilgrid",
                      "grid", "block", "window", "win", "kernel", "viewer", "tile", "requested", "desired"});
   });
+}
+
+// Between wheels or antennas, not between cameras.
+bool is_of_vehicle(const std::vector<std::string>& words) {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const std::string& w = words[i];
+    if (w.starts_with("wheel")) return true;
+    if (among(w, {"axle", "track", "gnss", "gps", "rtk", "antenna", "antennas", "uwb"})) return true;
+    const bool whose = w == "robot" || w.starts_with("odo");  // "visual_odometry.camera.baseline" is a camera's
+    if (whose && i + 1 < words.size() && words[i + 1] == "baseline") return true;
+  }
+  return false;
 }
 
 bool is_size(Quantity q) {
@@ -218,6 +191,8 @@ Quantity array(const Words& words, std::size_t count) {
       (rest.size() == 1 && among(first, {"k", "a", "kk", "cm", "km", "kmat", "kmtx", "int"}))) {
     return Quantity::camera_matrix;
   }
+  if (rest.size() == 1 && !words.matrix && first == "rs" && count == 9) return Quantity::rotation;
+  if (rest.size() == 1 && !words.matrix && first == "ts" && count == 3) return Quantity::translation;
   if (any(is_rotation_word) && (count == 9 || count == 3 || count == 4)) return Quantity::rotation;
   if (any(is_translation_word) && count == 3) return Quantity::translation;
   const bool pose = any([](const std::string& w) {
@@ -252,7 +227,7 @@ Quantity word_value(const Words& words) {
 // "k1", "p2", "k1l": a term and its number, taken out of the words.
 bool is_term(std::vector<std::string>& words, KeyMeaning& meaning) {
   for (std::size_t i = 0; i + 1 < words.size(); ++i) {
-    if (!among(words[i], {"k", "p", "s"}) || words[i + 1].size() != 1 || !is_digit(words[i + 1][0])) continue;
+    if (!among(words[i], {"k", "p", "s"}) || words[i + 1].size() != 1 || !is_number(words[i + 1])) continue;
     const int index = words[i + 1][0] - '0';
     if (index < 1 || index > 6) continue;
     meaning.index = index;
@@ -277,7 +252,10 @@ bool leads_outwards(const std::vector<std::string>& words) {
 // What only the whole path of keys tells.
 void settle(const std::vector<std::string>& words, KeyMeaning& meaning) {
   const bool in_metres = std::any_of(words.begin(), words.end(), [](const auto& w) { return unit_named(w) > 0.0; });
-  if (is_size(meaning.quantity) && (in_metres || is_of_something_else(words))) meaning.quantity = Quantity::none;
+  if (is_size(meaning.quantity) && (in_metres || is_of_something_else(words) || is_of_vehicle(words))) {
+    meaning.quantity = Quantity::none;
+  }
+  if (meaning.quantity == Quantity::baseline && is_of_vehicle(words)) meaning.quantity = Quantity::none;
   const bool rotation = meaning.quantity == Quantity::rotation;
   const bool translation = meaning.quantity == Quantity::translation;
   if (rotation || translation || meaning.quantity == Quantity::pose) read_pose(words, meaning);
@@ -289,6 +267,19 @@ void settle(const std::vector<std::string>& words, KeyMeaning& meaning) {
     if (const double unit = unit_named(w); unit > 0.0) meaning.unit_m = unit;
   }
   if (meaning.quantity == Quantity::baseline && meaning.unit_m > 0.0) meaning.quantity = Quantity::baseline_in_unit;
+}
+
+// The key of a map with a matrix or terms of each camera, by their names.
+bool is_group_of_cameras(const std::string& key, std::size_t count) {
+  KeyMeaning whose;
+  const std::vector<std::string> words = words_of(key);
+  const Words sorted = sort_words(words, false, whose);
+  const bool camera_alone = sorted.rest.empty() && std::none_of(words.begin(), words.end(), [](const auto& w) {
+                              return among(w, {"matrix", "matrices", "mat", "mtx", "m"}) || w.starts_with("coef");
+                            });
+  if (camera_alone || whose.side != KeySide::none || whose.number) return false;
+  const Quantity q = array(sorted, count);
+  return q == Quantity::camera_matrix || q == Quantity::distortion || q == Quantity::projection;
 }
 
 }  // namespace
@@ -311,8 +302,19 @@ KeyMeaning meaning_of(const std::vector<std::string>& path, std::size_t count) {
       decided = true;
     }
     const Words sorted = sort_words(words, decided, meaning);
+    // "cameraR" in a group of camera matrices is the right camera's; alone, R is a rotation.
+    if (!decided && i > 0 && meaning.side == KeySide::none && sorted.rest == std::vector<std::string>{"r"} &&
+        is_group_of_cameras(path[i - 1], count)) {
+      meaning.side = KeySide::right;
+      continue;
+    }
     if (is_rectified_name(sorted.rest) && count != 0) return {};
     if (decided) continue;
+    if (sorted.rest.empty() && meaning.side == KeySide::both && (count == 12 || count == 16)) {
+      meaning.quantity = Quantity::pose;  // "left_to_right"
+      decided = true;
+      continue;
+    }
     const bool silent = sorted.rest.empty() && !sorted.matrix && !sorted.coefficients && !sorted.m;
     if (silent) continue;
     meaning.quantity = count == 0 ? word_value(sorted) : count == 1 ? scalar(sorted.rest) : array(sorted, count);

@@ -2,6 +2,7 @@
 #include "drivers/calibration/keys.h"
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 #include <fmt/format.h>
@@ -99,6 +100,36 @@ std::optional<DocumentNode> as_list(const DocumentNode& node) {
   return out.items.size() == node.entries.size() ? std::optional(std::move(out)) : std::nullopt;
 }
 
+// What a camera in a list says it is: "left", "cam1"; empty = nothing.
+std::string name_of(const DocumentNode& item) {
+  for (const char* key :
+       {"side", "name", "camera_name", "position", "label", "role", "location", "camera", "id", "camera_id", "index"}) {
+    const DocumentNode* value = item.find(key);
+    if (value == nullptr || value->kind != DocumentNode::Kind::scalar || value->scalar.size() > 64) continue;
+    std::string word = value->scalar;
+    std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+    const bool left = word.find("left") != std::string::npos || word == "l";
+    const bool right = word.find("right") != std::string::npos || word == "r";
+    if (left != right) return left ? "left" : "right";
+    constexpr const char* kDigits = "0123456789";
+    if (!word.empty() && word.find_first_of(kDigits) == word.size() - 1) return std::string("cam") + word.back();
+  }
+  return {};
+}
+
+// The names of a list's items, or else their numbers.
+std::vector<std::string> names_of(const std::vector<DocumentNode>& items) {
+  std::vector<std::string> names;
+  std::vector<std::string> numbers;
+  std::set<std::string> different;
+  for (std::size_t i = 0; i < items.size() && i < 10; ++i) {
+    names.push_back(name_of(items[i]));
+    numbers.push_back(std::to_string(i));
+    if (!names.back().empty()) different.insert(names.back());
+  }
+  return different.size() == names.size() ? names : numbers;
+}
+
 }  // namespace
 
 void Keys::walk(const DocumentNode& node, const std::string& file, const std::string& key,
@@ -113,9 +144,8 @@ void Keys::walk(const DocumentNode& node, const std::string& file, const std::st
   const bool maps = node.kind == DocumentNode::Kind::list && !node.items.empty() &&
                     node.items.front().kind == DocumentNode::Kind::map;
   if (maps) {
-    for (std::size_t i = 0; i < node.items.size() && i < 10; ++i) {
-      step(node.items[i], file, key, std::to_string(i), path);
-    }
+    const std::vector<std::string> names = names_of(node.items);
+    for (std::size_t i = 0; i < names.size(); ++i) step(node.items[i], file, key, names[i], path);
     return;
   }
   if (!path.empty()) leaf(node, file, key, path);

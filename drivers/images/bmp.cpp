@@ -69,8 +69,8 @@ std::string read_header(Bytes file, Header& out) {
   }
   out.palette_at = kFileHeader + size;
   out.palette_entry = old ? 3 : 4;
-  const std::size_t told = old ? 0 : number(file, 46, 4);
-  out.palette_size = out.bits > 8 ? 0 : told == 0 ? std::size_t{1} << out.bits : std::min<std::size_t>(told, 256);
+  const std::size_t stated = old ? 0 : number(file, 46, 4);
+  out.palette_size = out.bits > 8 ? 0 : stated == 0 ? std::size_t{1} << out.bits : std::min<std::size_t>(stated, 256);
   return {};
 }
 

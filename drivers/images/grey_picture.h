@@ -17,7 +17,7 @@ struct GreyPicture {
   Image<std::uint8_t> bytes;   // samples of up to 8 bits, spread over 0 to 255
   Image<std::uint16_t> words;  // samples of more, as stored
   bool deep = false;           // the samples are in `words`
-  int told_bits = 0;           // bits of a word that are in use, where the file tells; 0 = it does not
+  int told_bits = 0;           // bits of a word that are in use, where the file has it; 0 = it does not
   int warnings = 0;            // what the decoder warned of although every pixel is there
 
   int width() const { return deep ? words.width() : bytes.width(); }
@@ -27,7 +27,7 @@ struct GreyPicture {
 inline constexpr int kMostSidePx = 16384;
 inline constexpr std::int64_t kMostPixels = std::int64_t{1} << 26U;  // 67 million: none of them decoded beyond
 
-// Why an image of this size is refused; empty = it is accepted. Decoders ask before they allocate or decode.
+// Why an image of this size is refused; empty = it is accepted. Decoders call it before they allocate or decode.
 std::string refuse_size(std::int64_t width, std::int64_t height);
 
 // Colour to grey by the BT.601 weights, as libpng computes it: 15 bits, cut; equal samples stay as they are.

@@ -92,7 +92,7 @@ Result<std::unique_ptr<LibcameraCamera>> LibcameraCamera::open(const std::string
                                                                OpenTrouble& trouble) {
   trouble = OpenTrouble::lasting;
   libcamera::CameraManager* manager = camera_manager();
-  if (manager == nullptr) return Error{"libcamera does not start", id, "its own lines above tell why"};
+  if (manager == nullptr) return Error{"libcamera does not start", id, "its own lines above have the reason"};
   std::unique_ptr<LibcameraCamera> out(new LibcameraCamera());
   out->id_ = id;
   out->on_frame_ = std::move(on_frame);

@@ -100,7 +100,7 @@ void LibcameraPairs::control_exposure(const LibcameraFrame& frame) {
   wanted_gain_ = static_cast<float>(wanted_.gain);
 }
 
-// One exposure and gain for both cameras: what our control wants, or what the left one's has found.
+// One exposure and gain for both cameras: what our control sets, or what the left one's has found.
 void LibcameraPairs::share_exposure() {
   if (options_.exposure_us || !cameras_[0]) return;
   LibcameraCamera* right = options_.layout == CameraLayout::two_cameras ? cameras_[1].get() : nullptr;

@@ -4,7 +4,7 @@
 
 namespace cliquevo::drivers {
 
-// Call before the first use of libcamera. Does nothing where LIBCAMERA_LOG_LEVELS or LIBCAMERA_LOG_FILE asks for more.
+// Call before the first use of libcamera. Does nothing where LIBCAMERA_LOG_LEVELS or LIBCAMERA_LOG_FILE requests more.
 void show_only_errors_of_libcamera();
 
 }  // namespace cliquevo::drivers

@@ -29,9 +29,9 @@ class PairStore {
 // Numbers of the pairs that options choose of `count`.
 Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const RecordingOptions& options);
 
-// Plays the store's pairs with these stamps by the options: from first to last, or to and fro; read ahead by a thread
-// or not. A pair that is to be skipped is an error of next(); to and fro it is left out. Bayer mosaics become grey, by
-// the options or where the images show it; the description states it.
+// Plays the store's pairs, those chosen already, with these stamps by the options: once, or to and fro; read ahead by a
+// thread or not. A pair that is to be skipped is an error of next(); to and fro it is left out. Bayer mosaics become
+// grey, by the options or where the images show it; the description states it.
 std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, RisingStamps stamps, SourceInfo info,
                                         const RecordingOptions& options);
 // Rate of the pairs that are played; 0 = unknown.

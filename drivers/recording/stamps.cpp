@@ -138,7 +138,7 @@ Result<void> stamps_from_file(const std::string& path, ImageList& list, std::vec
 
 namespace {
 
-// Times of cameras, by a name that only tells so among others ("stereo.timestamps", "camera_timestamps.txt").
+// Times of cameras, by a name that is clear only beside others ("stereo.timestamps", "camera_timestamps.txt").
 bool is_times_name(const std::string& name) {
   const auto has = [&](const char* word) { return name.find(word) != std::string::npos; };
   const auto ends = [&](const char* extension) { return name.ends_with(extension); };

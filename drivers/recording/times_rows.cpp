@@ -134,6 +134,18 @@ bool is_heading(const TextLine& line) {
          std::any_of(line.text.begin(), line.text.end(), is_letter);
 }
 
+// "[0.0, 0.1, 0.2]": a list of times in one line is a row a time.
+void part_list(std::vector<TimesRow>& rows) {
+  if (rows.size() != 1 || rows[0].words.size() < 3) return;
+  const std::string_view text = trim(rows[0].text);
+  const auto is_time = [](const std::string& w) { return parse_seconds(w).has_value(); };
+  if (text.front() != '[' || text.back() != ']') return;
+  if (!std::all_of(rows[0].words.begin(), rows[0].words.end(), is_time)) return;
+  const TimesRow list = std::exchange(rows[0], {});
+  rows.clear();
+  for (const std::string& word : list.words) rows.push_back({list.line, list.text, {word}});
+}
+
 }  // namespace
 
 TimesText split_times(std::string_view text) {
@@ -148,6 +160,7 @@ TimesText split_times(std::string_view text) {
   }
   const Parting parting = parting_of(lines);
   for (const TextLine& line : lines) out.rows.push_back({line.number, line.text, part(line.text, parting)});
+  part_list(out.rows);
   // A heading's words may hold blanks where something else parts them.
   const char* parts = out.heading.find(';') != std::string::npos   ? ";"
                       : out.heading.find(',') != std::string::npos ? ","

@@ -183,7 +183,7 @@ Result<void> V4l2Camera::choose_format(const CameraOptions& options) {
   }
   v4l2_format format = {};
   format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (control_device(descriptor_, VIDIOC_G_FMT, &format) != 0) return refused("to tell its format");
+  if (control_device(descriptor_, VIDIOC_G_FMT, &format) != 0) return refused("to report its format");
   const int images = options.layout == CameraLayout::two_cameras ? 1 : 2;
   const int per_image =
       image_width(options.layout, wanted, images) == images ? 1 : images;  // pixels of the frame for one of an image
@@ -221,7 +221,7 @@ Result<void> V4l2Camera::set_rate(double rate_hz) const {
   const double got_hz = period.numerator > 0 ? static_cast<double>(period.denominator) / period.numerator : 0.0;
   if (got_hz <= 0.0 || std::abs(got_hz - rate_hz) <= 0.05 * rate_hz) return {};
   return Error{"camera refuses the frame rate", path_,
-               fmt::format("it gives {:.3f} Hz where {:.3f} are asked: set rate_hz to that", got_hz, rate_hz)};
+               fmt::format("it gives {:.3f} Hz where {:.3f} are set: set rate_hz to that", got_hz, rate_hz)};
 }
 
 Result<void> V4l2Camera::map_buffers() {

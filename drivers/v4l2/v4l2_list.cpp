@@ -46,10 +46,10 @@ std::vector<SeenCamera> list_v4l2() {
     const int descriptor = ::open(device.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
     if (descriptor < 0) continue;
     v4l2_capability capability = {};
-    const bool asked = ::ioctl(descriptor, VIDIOC_QUERYCAP, &capability) == 0;
+    const bool answered = ::ioctl(descriptor, VIDIOC_QUERYCAP, &capability) == 0;
     const std::uint32_t can =
         (capability.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? capability.device_caps : capability.capabilities;
-    if (asked && (can & V4L2_CAP_VIDEO_CAPTURE) != 0) {
+    if (answered && (can & V4L2_CAP_VIDEO_CAPTURE) != 0) {
       SeenCamera camera{"v4l2",
                         stable_name(device),
                         fmt::format("{} at {} ({})", reinterpret_cast<const char*>(capability.card), device,

@@ -40,6 +40,18 @@ bool is_lie(const vo::Estimate& e, const RigidTransform& truth, std::string& wha
   return !(sigmas <= 5.0) && (far || turned);
 }
 
+// CLIQUEVO_TALK: what was found in each frame.
+void print_frame(const Case& c, std::uint64_t number, std::size_t frame, const vo::Estimate& e,
+                 const std::string& what) {
+  fmt::print("{} {} frame {}, {}: {};", kind_name(c.kind), number, frame, vo::status_name(e.status), what);
+  for (std::size_t k = 0; k < vo::kChecks; ++k) {
+    const auto check = static_cast<vo::Check>(k);
+    fmt::print(" {} {:.2f}", vo::check_name(check), e.checks[check].ratio());
+  }
+  fmt::print(" shift {:.2f} +- {:.2f}, error {:.3f} of {:.3f} px\n", e.disparity_shift_px, e.disparity_shift_sigma_px,
+             e.reprojection_error_px, e.expected_error_px);
+}
+
 void run_cases(std::uint64_t begin, std::uint64_t count, bool (*wanted)(Kind)) {
   CaseMaker maker;
   std::array<Tally, static_cast<std::size_t>(Kind::count)> tallies{};
@@ -63,12 +75,7 @@ void run_cases(std::uint64_t begin, std::uint64_t count, bool (*wanted)(Kind)) {
       std::string what;
       if (talk && i > 0) {
         is_lie(e, truth.at(e.prev_stamp_ns).inverse() * truth.at(e.stamp_ns), what);
-        fmt::print("{} {} frame {}, {}: {};", kind_name(c.kind), k, i, vo::status_name(e.status), what);
-        for (std::size_t check = 0; check < vo::kChecks; ++check)
-          fmt::print(" {} {:.2f}", vo::check_name(static_cast<vo::Check>(check)),
-                     e.checks[static_cast<vo::Check>(check)].ratio());
-        fmt::print(" shift {:.2f} +- {:.2f}, error {:.3f} of {:.3f} px\n", e.disparity_shift_px,
-                   e.disparity_shift_sigma_px, e.reprojection_error_px, e.expected_error_px);
+        print_frame(c, k, i, e, what);
       }
       if (i >= c.judged_from && valid) {
         ++tally.valid;

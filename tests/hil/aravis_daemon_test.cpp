@@ -94,19 +94,19 @@ TEST(AravisHil, TheRigTestSeesTheCamerasUnpluggedAndBack) {
   test::Subprocess tool({"sh", "-c",
                          "exec " + test::binary("cliquevo") + " cameras test --seconds 1 --unplug --config " +
                              daemon_config(course, dir) + " >" + dir + "/out"});
-  const auto told = [&](const std::string& words) {
+  const auto reported = [&](const std::string& words) {
     for (int i = 0; i < 1500; ++i) {
       if (test::read_file(dir + "/out").find(words) != std::string::npos) return true;
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
     return false;
   };
-  ASSERT_TRUE(told("unplug a camera"));
+  ASSERT_TRUE(reported("unplug a camera"));
   std::this_thread::sleep_for(std::chrono::seconds(2));
   rig.kill();
-  ASSERT_TRUE(told("lost") || told("reconnecting")) << test::read_file(dir + "/out");
+  ASSERT_TRUE(reported("lost") || reported("reconnecting")) << test::read_file(dir + "/out");
   rig.start();
-  EXPECT_TRUE(told("it came back: pairs flow")) << test::read_file(dir + "/out");
+  EXPECT_TRUE(reported("it came back: pairs flow")) << test::read_file(dir + "/out");
 }
 
 TEST(AravisHil, WhatCannotBeOpenedIsToldInOneLine) {

@@ -201,7 +201,7 @@ TEST(DaemonMessages, MoversAreSentForEveryFrameWhenAskedFor) {
   EXPECT_EQ(daemon.wait().exit_code, 0);
   ASSERT_EQ(collector.movers.size(), 90U);
   ASSERT_EQ(collector.statuses.size(), 90U);
-  int told = 0;
+  int reported = 0;
   for (std::size_t i = 0; i < collector.movers.size(); ++i) {
     const movers_t& m = collector.movers[i];
     EXPECT_EQ(m.utime, collector.statuses[i].utime);
@@ -209,7 +209,7 @@ TEST(DaemonMessages, MoversAreSentForEveryFrameWhenAskedFor) {
       EXPECT_EQ(m.num_movers, 0) << "frame " << i;
     }
     for (const mover_t& thing : m.movers) {
-      ++told;
+      ++reported;
       EXPECT_GE(thing.frames, 3);
       EXPECT_GE(thing.inliers, 6);
       EXPECT_EQ(thing.of_vehicle, 0);
@@ -221,7 +221,7 @@ TEST(DaemonMessages, MoversAreSentForEveryFrameWhenAskedFor) {
       }
     }
   }
-  EXPECT_GT(told, 5) << "three boxes cross the view";
+  EXPECT_GT(reported, 5) << "three boxes cross the view";
 }
 
 TEST(DaemonMessages, ImagesAreSentWhenAskedForAndAtTheirRate) {

@@ -32,7 +32,7 @@ using hil::write_config;
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// What the daemon tells a service manager.
+// What the daemon reports to a service manager.
 class Manager {
  public:
   explicit Manager(const std::string& dir) : path(dir + "/notify") {
@@ -51,7 +51,7 @@ class Manager {
   Manager(const Manager&) = delete;
   Manager& operator=(const Manager&) = delete;
 
-  bool heard(const std::string& words) const {
+  bool received(const std::string& words) const {
     const std::lock_guard guard(mutex_);
     return said_.find(words) != std::string::npos;
   }
@@ -71,7 +71,7 @@ class Manager {
       const std::string message(text, static_cast<std::size_t>(size));
       const auto now = steady_clock::now();
       if (message == "WATCHDOG=1") {
-        if (heard("READY=1")) {
+        if (received("READY=1")) {
           longest_hunger_s_ = std::max<double>(longest_hunger_s_, std::chrono::duration<double>(now - fed).count());
         }
         fed = now;
@@ -161,8 +161,8 @@ TEST(LateCameras, WhileItWaitsItSaysForWhatFeedsTheWatchdogAndEndsWhenAskedTo) {
   HealthReader health;
   test::Subprocess daemon({test::binary("cliquevod"), "--config", write_config(dir, course + "/calib.txt")},
                           {{"NOTIFY_SOCKET", manager.path}});
-  EXPECT_TRUE(until([&] { return manager.heard("STATUS=waiting for a camera: no such camera: HIL-LEFT"); }));
-  EXPECT_TRUE(until([&] { return manager.heard("READY=1"); }));
+  EXPECT_TRUE(until([&] { return manager.received("STATUS=waiting for a camera: no such camera: HIL-LEFT"); }));
+  EXPECT_TRUE(until([&] { return manager.received("READY=1"); }));
   EXPECT_TRUE(until([&] { return health.state() == health_t::WAITING_FOR_FRAMES; }));
   EXPECT_NE(health.text().find("no such camera: HIL-LEFT"), std::string::npos) << health.text();
   std::this_thread::sleep_for(std::chrono::seconds(4));

@@ -70,11 +70,11 @@ TEST(NetworkAttacks, TornCommandsAndFragmentsHarmNobody) {
       send_fragments(to);
     }
     daemon.expect_unharmed();
-    const auto told = daemon.status_once([](const auto& s) { return s.value("incident_text", "") != ""; }, 3.0);
-    EXPECT_EQ(told.value("resets", -1), 0);
-    // Without the channel nobody listens, so there is nothing to tell.
-    EXPECT_EQ(told.value("incident_text", "").find("damaged packets") != std::string::npos, *more != '\0')
-        << told.dump();
+    const auto reported = daemon.status_once([](const auto& s) { return s.value("incident_text", "") != ""; }, 3.0);
+    EXPECT_EQ(reported.value("resets", -1), 0);
+    // Without the channel nobody listens, so there is nothing to report.
+    EXPECT_EQ(reported.value("incident_text", "").find("damaged packets") != std::string::npos, *more != '\0')
+        << reported.dump();
     daemon.finish();
   }
 }
@@ -99,7 +99,7 @@ TEST(NetworkAttacks, CommandsByMulticastAreOffUnlessSwitchedOnAndNeverTakenByUni
   EXPECT_EQ(on.status().value("resets", -1), 0);
   send_datagram(kGroup, kPort, reset);
   EXPECT_EQ(on.status_once([](const auto& s) { return s.value("resets", 0) == 1; }).value("resets", -1), 1);
-  EXPECT_NE(on.finish().find("every program of this machine"), std::string::npos) << "the risk is told";
+  EXPECT_NE(on.finish().find("every program of this machine"), std::string::npos) << "the risk is named";
 }
 
 // A second machine: a network namespace of its own at the other end of a cable.
@@ -151,10 +151,10 @@ TEST(NetworkAttacks, AnotherMachinesCommandsAreNotObeyedWhileTtlIsZero) {
     other.send(kGroup, reset);
     other.send("10.77.0.1", reset);
   }
-  const auto told = daemon.status_once(
+  const auto reported = daemon.status_once(
       [](const auto& s) { return s.value("incident_text", "").find("another machine") != std::string::npos; }, 5.0);
-  EXPECT_NE(told.value("incident_text", "").find("another machine"), std::string::npos) << told.dump();
-  EXPECT_EQ(told.value("resets", -1), 0);
+  EXPECT_NE(reported.value("incident_text", "").find("another machine"), std::string::npos) << reported.dump();
+  EXPECT_EQ(reported.value("resets", -1), 0);
   daemon.expect_unharmed();
   send_datagram(kGroup, kPort, reset);  // its own machine's
   EXPECT_EQ(daemon.status_once([](const auto& s) { return s.value("resets", 0) == 1; }).value("resets", -1), 1);
@@ -264,7 +264,7 @@ TEST(ControlSocket, OfADeadDaemonIsReplacedAndThatOfALiveOneIsNot) {
   EXPECT_GT(status.value("poses_sent", 0), 5);
 }
 
-// A server of LCM's over TCP that accepts, and then says nothing or reads nothing.
+// A server of LCM's over TCP that accepts, and then sends nothing or reads nothing.
 class BadServer {
  public:
   explicit BadServer(bool greets) {
@@ -299,7 +299,7 @@ class BadServer {
   std::vector<int> accepted_;
 };
 
-// By hand it ends soon with a line that says this; the service waits, and ends when it is asked to.
+// By hand it ends soon with a line that says this; the service waits, and ends on a signal.
 void expect_bounded_start(const std::string& url, const std::string& said) {
   const std::string dir = scratch_dir();
   std::ofstream(dir + "/c.yaml") << "source: {loop: pingpong, simulator: {width: 160, height: 120, focal_px: 175, "
@@ -322,14 +322,14 @@ void expect_bounded_start(const std::string& url, const std::string& said) {
 TEST(SilentServer, EndsAStartByHandAtOnceAndIsWaitedForByTheService) {
   CLIQUEVO_NEEDS_PRIVATE_NETWORK();
   const BadServer server(/*greets=*/false);
-  expect_bounded_start(server.url, "the LCM server says nothing");
+  expect_bounded_start(server.url, "the LCM server does not answer");
 }
 
 TEST(SilentServer, WhoseNameNoNameServerTellsHoldsUpNeitherStartNorEnd) {
   CLIQUEVO_NEEDS_PRIVATE_NETWORK();
   const std::string settings = scratch_dir() + "/resolv.conf";
   std::ofstream(settings) << "nameserver 127.0.0.9\n";
-  // Takes what it is asked and says nothing.
+  // Takes requests and sends nothing.
   const int name_server = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in at{};
   at.sin_family = AF_INET;
@@ -340,7 +340,7 @@ TEST(SilentServer, WhoseNameNoNameServerTellsHoldsUpNeitherStartNorEnd) {
       ::mount(settings.c_str(), "/etc/resolv.conf", nullptr, MS_BIND, nullptr) != 0) {
     GTEST_SKIP() << "needs the right to mount";
   }
-  expect_bounded_start("tcpq://lcm-server.example:7700", "the name server says nothing");
+  expect_bounded_start("tcpq://lcm-server.example:7700", "the name server does not answer");
   ::umount2("/etc/resolv.conf", MNT_DETACH);
   ::close(name_server);
 }

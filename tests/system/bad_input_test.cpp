@@ -70,7 +70,7 @@ TEST(BadInput, CamerasOfUnequalSize) {
   expect_refused({"replay", recording}, 1, "300x240");
 }
 
-// The pair is skipped, told and counted; its line of the trajectory holds the pose before it. --strict ends there.
+// The pair is skipped, reported and counted; its line of the trajectory holds the pose before it. --strict ends there.
 void expect_skipped(const std::string& recording, int pair, const std::string& naming) {
   const std::string trajectory = scratch_dir() + "/t.txt";
   const std::string stats = scratch_dir() + "/s.json";

@@ -97,18 +97,24 @@ TEST(Calibrate, ASimulatedBoardGivesTheRigThatIsThere) {
 }
 
 TEST(Calibrate, CtrlCOfAGuidedRunKeepsWhatWasCollected) {
-  const std::string out = scratch_dir() + "/rig.yaml";
-  Subprocess guided({binary("cliquevo"), "calibrate",
-                     "sim:board=chessboard:9x6:0.03,raw=on,frames=100000,board_hold_s=0", "--board",
-                     "chessboard:9x6:0.03", "--out", out, "--page", "--port", "0", "--max-views", "1000", "--model",
-                     "radtan", "--set", "source.simulator.frames=5"});
-  // By then some views are there: the first is long in coming where the machine is busy.
-  std::this_thread::sleep_for(std::chrono::seconds(6));
+  const std::string out = scratch_dir() + "/rig.yaml", said = scratch_dir() + "/said";
+  const std::string command =
+      "exec '" + binary("cliquevo") +
+      "' calibrate sim:board=chessboard:9x6:0.03,raw=on,frames=100000,board_hold_s=0.2,board_move_s=0 --board "
+      "chessboard:9x6:0.03 --model radtan --page --port 0 --out '" +
+      out + "' 2> '" + said + "'";
+  Subprocess guided({"sh", "-c", command});
+  const auto give_up = std::chrono::steady_clock::now() + std::chrono::seconds(120);
+  while (read_file(said).find("\n9 views;") == std::string::npos && std::chrono::steady_clock::now() < give_up) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
   guided.send(SIGINT);
   const Finished done = guided.wait();
-  EXPECT_EQ(done.exit_code, 0) << done.err;
-  EXPECT_NE(done.err.find("calibrate.html"), std::string::npos) << "the page's address";
-  EXPECT_NE(done.err.find("next: "), std::string::npos) << "the guide's words";
+  const std::string err = read_file(said);
+  EXPECT_EQ(done.exit_code, 0) << err;
+  EXPECT_NE(err.find("/calibrate.html\n"), std::string::npos) << err;
+  EXPECT_NE(err.find("next: "), std::string::npos) << err;
+  EXPECT_EQ(err.find("; enough"), std::string::npos) << err;
   EXPECT_NE(done.out.find("written"), std::string::npos) << done.out;
   EXPECT_TRUE(std::ifstream(out).good());
 }

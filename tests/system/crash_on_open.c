@@ -13,7 +13,7 @@
 static void look_at(const char* path) {
   const char* bad = getenv("CRASH_ON_OPEN");
   if (bad && *bad && path && strstr(path, bad)) {
-    fputs("about to crash, as it was told\n", stderr);
+    fputs("about to crash, as intended\n", stderr);
     raise(SIGSEGV);
   }
 }

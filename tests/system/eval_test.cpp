@@ -139,9 +139,9 @@ TEST(Eval, AReferenceInBodyAxesIsNoticedAndCanBeTold) {
                 .exit_code,
             0);
   EXPECT_NE(eval({reference, estimate}).err.find("--reference-frame body"), std::string::npos);
-  const Finished told = eval({reference, estimate}, {"--reference-frame", "body", "--json"});
-  EXPECT_EQ(told.err, "");
-  EXPECT_LT(json::parse(told.out)["rpe_cm"].get<double>(), 2.0);
+  const Finished reported = eval({reference, estimate}, {"--reference-frame", "body", "--json"});
+  EXPECT_EQ(reported.err, "");
+  EXPECT_LT(json::parse(reported.out)["rpe_cm"].get<double>(), 2.0);
 }
 
 }  // namespace

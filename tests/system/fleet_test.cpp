@@ -138,7 +138,7 @@ TEST(Fleet, AUnitThatCrashesIsReportedAndStopsNoOther) {
   ASSERT_EQ(lines_of(done.err).size(), 2U) << done.err;  // the unit's, and that one has no result
   EXPECT_NE(done.err.find("the unit crashed (signal 11"), std::string::npos) << done.err;
   EXPECT_NE(done.err.find("crashing with default"), std::string::npos) << done.err;
-  EXPECT_NE(done.err.find("about to crash, as it was told"), std::string::npos) << done.err;
+  EXPECT_NE(done.err.find("about to crash, as intended"), std::string::npos) << done.err;
   EXPECT_EQ(results_in(folder + "/fleet").size(), 2U);
   ASSERT_EQ(fleet("report", folder + "/fleet", {"--pages", "0"}, loaded).exit_code, 0);
   const json report = report_of(folder + "/fleet");

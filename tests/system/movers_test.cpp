@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Things that move by themselves, on rendered courses: where they are told to be, something does move so.
+// Things that move by themselves, on rendered courses: where they are reported, something does move so.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -16,7 +16,7 @@
 namespace cliquevo::test {
 namespace {
 
-struct Told {
+struct Ride {
   int frames = 0;
   int valid = 0;
   int movers = 0;
@@ -31,9 +31,9 @@ double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-Told ride(const std::string& text) {
+Ride ride(const std::string& text) {
   constexpr double kNextTo_m = 0.3;
-  Told out;
+  Ride out;
   const auto options = drivers::parse_simulator_options(text);
   EXPECT_TRUE(options.ok()) << text;
   const drivers::sim::Course course(*options);
@@ -69,18 +69,18 @@ Told ride(const std::string& text) {
     }
   }
   fmt::print(
-      "{}: {} of {} frames valid, {} movers told, {} on a thing that moves, velocity off by {:.2f} of {:.2f} m/s "
+      "{}: {} of {} frames valid, {} movers reported, {} on a thing that moves, velocity off by {:.2f} of {:.2f} m/s "
       "(medians)\n",
       text, out.valid, out.frames, out.movers, out.on_a_thing, median(out.off_m_s), median(out.speed_m_s));
   return out;
 }
 
 TEST(MoversOnACourse, AreToldWhereTheyAreAndHowFast) {
-  const Told told = ride("course=wheeled,frames=150,movers=3");
-  EXPECT_GE(told.valid, 140);
-  EXPECT_GE(told.movers, 30);
-  EXPECT_GE(told.on_a_thing, 0.9 * told.movers);
-  EXPECT_LE(median(told.off_m_s), 0.2 * median(told.speed_m_s));
+  const Ride found = ride("course=wheeled,frames=150,movers=3");
+  EXPECT_GE(found.valid, 140);
+  EXPECT_GE(found.movers, 30);
+  EXPECT_GE(found.on_a_thing, 0.9 * found.movers);
+  EXPECT_LE(median(found.off_m_s), 0.2 * median(found.speed_m_s));
 }
 
 TEST(MoversOnACourse, AreNotToldWhereNothingMoves) { EXPECT_EQ(ride("course=wheeled,frames=150").movers, 0); }

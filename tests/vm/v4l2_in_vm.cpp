@@ -122,7 +122,7 @@ void uvc_pair() {
           const auto refused = V4l2Pairs::open(options_for(10.0), trouble);
           return !refused.ok() && refused.error().line().find("adduser USER video") != std::string::npos;
         }),
-        "who has no right to them is told the group");
+        "without the right to them, the group is named");
   auto pairs = V4l2Pairs::open(options_for(10.0), trouble);
   check(pairs.ok(), "they open" + (pairs.ok() ? std::string() : ": " + pairs.error().line()));
   if (!pairs.ok()) return;
@@ -247,14 +247,14 @@ void vivid_faults() {
   for (const char* fault : {"Inject V4L2_BUF_FLAG_ERROR", "Inject Fatal Streaming Error", "Disconnect"}) {
     const std::string before = (*pairs)->status();
     check(press(device, fault), std::string(fault) + " is injected");
-    bool told = false;
-    for (int i = 0; i < 200 && !told; ++i) {
+    bool reported = false;
+    for (int i = 0; i < 200 && !reported; ++i) {
       const std::string status = (*pairs)->status();
-      told = status.find("left camera: ") != std::string::npos ||
-             (status.find("incomplete") != std::string::npos && before.find("incomplete") == std::string::npos);
+      reported = status.find("left camera: ") != std::string::npos ||
+                 (status.find("incomplete") != std::string::npos && before.find("incomplete") == std::string::npos);
       ::usleep(5'000);
     }
-    check(told, std::string("it is told: ") + (*pairs)->status());
+    check(reported, std::string("it is reported: ") + (*pairs)->status());
     const bool again = take_pairs(**pairs, 10) == 10;
     check(again && (*pairs)->status().find("left camera: ") == std::string::npos,
           "pairs flow again; " + (*pairs)->status());

@@ -89,7 +89,7 @@ export async function openPage(browser, address, size = { width: 1440, height: 9
   page.on("pageerror", (e) => page.complaints.push(String(e)));
   page.on("request", (r) => { const u = r.url(); if (!u.startsWith(address.split("?")[0]) && !/^(data|blob):/.test(u)) page.strangers.push(u); });
   if (process.env.CLIQUEVO_PAGE) await page.route(/\.(js|css)$/, (r) => r.fulfill({ path: path.join(process.env.CLIQUEVO_PAGE, new URL(r.request().url()).pathname) }));
-  await page.goto(address);
+  await page.goto(address, { timeout: 120000 });
   return page;
 }
 

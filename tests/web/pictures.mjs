@@ -14,7 +14,7 @@ const seek = (page, n) => page.evaluate(async (k) => {
 }, n);
 
 await main(async (browser) => {
-  const { address } = await startView("sim:frames=150,movers=4,fault=blank,fault_first=104,fault_frames=5");
+  const { address } = await startView("sim:frames=150,movers=3,fault=blank,fault_first=104,fault_frames=5");
   const page = await openPage(browser, address, { width: 1360, height: 850 });
   await until("all frames", () => page.evaluate(() => window.cliquevo.state.done && window.cliquevo.records.end === 150), 200);
   await wait(1200);
@@ -28,12 +28,11 @@ await main(async (browser) => {
   await seek(page, 106);
   await wait(300);
   await page.screenshot({ path: to("view-failed.png") });
-  await seek(page, 80);
+  await seek(page, 45);
   await page.keyboard.press("d");
-  await page.keyboard.press("r");
   await wait(900);
   await page.screenshot({ path: to("view-disparity.png") });
-  await run(["replay", "sim:frames=150,movers=4,fault=blank,fault_first=104,fault_frames=5", "--report", to("report.html")]);
+  await run(["replay", "sim:frames=150,movers=3,fault=blank,fault_first=104,fault_frames=5", "--report", to("report.html")]);
   const report = await openPage(browser, pathToFileURL(to("report.html")).href, { width: 1240, height: 1500 });
   await until("report", () => report.evaluate(() => window.cliquevoReport?.ready));
   await wait(500);

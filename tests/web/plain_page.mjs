@@ -52,7 +52,7 @@ export class PlainPage {
     if (opcode === 9) return this.send(10, Buffer.from(body));
     if (opcode === 2) {
       this.waiting = false;
-      ++this.drawn;
+      if (this.records > 0) ++this.drawn;
       if (body.readUInt32LE(12) > 0) this.pictured = body.readUInt32LE(28);
       return;
     }

@@ -29,14 +29,15 @@ constexpr int kNewCells = 3;             // with so many it is one in any case
 constexpr double kFocalGuess = 0.9;      // of the width, before anything is known
 constexpr double kTilted = 0.26;         // sine: 15 degrees
 constexpr int kOfEachTilt = 2;
-constexpr double kWantedCells = 0.7;      // of an image's
+constexpr double kWantedCells = 0.65;     // of an image's
 constexpr double kWantedShare = 0.42;     // of the width, from near
 constexpr double kWantedDistances = 1.5;  // farthest over nearest
 constexpr double kWantedDepth_px = 0.06;  // what a disparity may be off by all parameters together
 constexpr std::size_t kLeastViews = 12;
 constexpr std::size_t kFirstEstimate = 8;
 constexpr double kEstimateAgain = 1.3;   // times the views of the estimate before
-constexpr std::size_t kManyViews = 60;   // more are not asked for on account of the precision alone
+constexpr std::size_t kManyViews = 40;   // from here on parts of the image may stay without corners,
+constexpr std::size_t kVeryMany = 60;    // from here on precision may be missing
 constexpr double kJudgedDepth_m = 10.0;  // calibration::kJudgedDepths_m[1]
 
 std::size_t cell_of(const Eigen::Vector2d& px, int width, int height) {
@@ -223,9 +224,13 @@ std::array<Bar, 6> Guide::bars() const {
 bool Guide::enough() const {
   if (views_.size() >= options_.most_views) return true;
   const auto all = bars();
-  const auto judged = views_.size() >= kManyViews ? all.end() - 1 : all.end();  // the precision is the last
-  return views_.size() >= kLeastViews &&
-         std::all_of(all.begin(), judged, [](const Bar& bar) { return bar.share >= 1.0; });
+  const auto full = [&](std::ptrdiff_t first, std::ptrdiff_t last) {
+    return std::all_of(all.begin() + first, all.begin() + last, [](const Bar& bar) { return bar.share >= 1.0; });
+  };
+  if (views_.size() < kLeastViews || !full(2, 5)) return false;
+  const bool images = views_.size() >= kManyViews || full(0, 2);
+  const bool precision = views_.size() >= kVeryMany || full(5, 6);
+  return images && precision;
 }
 
 // The ninth of the images with the fewest corners.

@@ -40,7 +40,7 @@ bool anything_in_common(const Comparison& comparison) {
                      [](const ComparedRun& run) { return run.missing_in.empty(); });
 }
 
-// Units that are still to come, or failed, are missing in B and so beyond the gate; of the baseline they are told.
+// Units that are still to come, or failed, are missing in B and so beyond the gate; of the baseline they are listed.
 FleetComparison beside(const FleetResults& a, const std::string& name_a, const FleetResults& b,
                        const std::string& name_b, const Gates& gates, bool other_fleet) {
   FleetComparison out;

@@ -62,8 +62,8 @@ class SharedText {
   if (done) ::_exit(0);
   const Error& e = done.error();
   const std::string text = json{e.what, e.where, e.remedy}.dump(-1, ' ', false, json::error_handler_t::replace);
-  const bool told = ::write(error.descriptor(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
-  ::_exit(told ? kFailed : kFailed + 1);
+  const bool reported = ::write(error.descriptor(), text.data(), text.size()) == static_cast<ssize_t>(text.size());
+  ::_exit(reported ? kFailed : kFailed + 1);
 }
 
 int wait_for(pid_t child) {

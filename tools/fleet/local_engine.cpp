@@ -26,7 +26,7 @@ constexpr std::size_t kTasksAProcess = 8;  // so that the last ones end together
 constexpr std::size_t kMostUnits = 25;     // more of them save nothing: starting a program costs no more than one does
 constexpr std::int64_t kPollNs = 5'000'000;
 
-// Its output is of no interest; what goes wrong it tells on our stderr.
+// Its output is of no interest; its errors go to our stderr.
 Result<pid_t> start(const std::string& line) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// How far a fleet is: counts from the files of results alone, so that it can be asked from any machine.
+// How far a fleet is: counts from the files of results alone, so that it can be read from any machine.
 #pragma once
 
 #include <cstdint>

@@ -26,6 +26,7 @@
 #include "daemon/lcm/lcm_url.h"
 #include "daemon/lcm/status_report.h"
 #include "tools/view/feed.h"
+#include "tools/view/message_sizes.h"
 #include "tools/view/ros2_writer.h"
 
 namespace cliquevo::view {
@@ -33,6 +34,8 @@ namespace cliquevo::view {
 namespace {
 
 constexpr std::size_t kMostPending = 16;
+constexpr int kMostWaiting = 60;       // messages of a channel, where this process is late: two seconds
+constexpr int kMostWaitingImages = 3;  // these are large, and an old one is of no use
 constexpr std::size_t kPointsOfAFrame = 10;
 constexpr int kMostFeatures = 20'000;
 constexpr std::int64_t kMostPixels = 64'000'000;
@@ -152,7 +155,8 @@ class LcmFeed final : public Feed {
     subscribe<points_t>("VO_POINTS", [this](const points_t& m) {
       if (is_time(m.utime)) ros2_->add(m);
     });
-    subscribe<images_t>("VO_IMAGES", [this](const images_t& m) { take_images(m); });
+    subscribe<images_t>(
+        "VO_IMAGES", [this](const images_t& m) { take_images(m); }, kMostWaitingImages);
     subscribe<health_t>("VO_HEALTH", [this](const health_t& m) { take_health(m); });
     state_.text = "no messages yet";
   }
@@ -181,12 +185,13 @@ class LcmFeed final : public Feed {
 
  private:
   template <typename Message, typename Handler>
-  void subscribe(const char* channel, Handler handler) {
+  void subscribe(const char* channel, Handler handler, int most_waiting = kMostWaiting) {
     std::function<void(const lcm::ReceiveBuffer*, const std::string&)> decode =
         [this, handler](const lcm::ReceiveBuffer* buffer, const std::string&) {
           // A message of another type or a damaged one is nobody's fault here.
           static_cast<void>(guarded("view", [&]() -> Result<void> {
             Message message;
+            if (!fits({static_cast<const std::uint8_t*>(buffer->data), buffer->data_size}, message)) return {};
             if (message.decode(buffer->data, 0, static_cast<int>(buffer->data_size)) < 0) return {};
             last_message_ns_ = monotonic_ns();
             handler(message);
@@ -194,7 +199,7 @@ class LcmFeed final : public Feed {
           }));
         };
     handlers_.push_back(std::move(decode));
-    lcm_.subscribeFunction(channel, &LcmFeed::call, &handlers_.back());
+    lcm_.subscribeFunction(channel, &LcmFeed::call, &handlers_.back())->setQueueCapacity(most_waiting);
   }
   static void call(const lcm::ReceiveBuffer* buffer, const std::string& channel,
                    std::function<void(const lcm::ReceiveBuffer*, const std::string&)>* handler) {

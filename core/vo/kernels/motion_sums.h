@@ -144,7 +144,7 @@ template <class V>
 
 // One way's sums, of a perturbation (r, w) of the projected point y: dy = r + w x y. H: upper triangle, row by row.
 // The errors of the disparities enter in two places: the observed disparity's directly (e3 = (0, 0, 1)), and the
-// projected point's through its Jacobian j. Every sum that the solver wants is one of these two or their difference.
+// projected point's through its Jacobian j. Every sum that the solver needs is one of these two or their difference.
 template <class V>
 struct WaySums {
   V H[21], g[6];
@@ -319,7 +319,7 @@ void motion_sums_of(const MotionTerms& terms, const MotionState& c, MotionSums& 
       z[r] = turned + all<V>(c.m[r]);
       l[r] = zero - turned * inverse_d;
     }
-    // At or behind the camera nothing can be judged: no weight, and an error that nobody trusts.
+    // At or behind the camera nothing can be judged: no weight, and an error beyond every gate.
     V good = select_less(near, y[2], active, zero);
     good = select_less(near, z[2], good, zero);
     const V behind = all<V>(kBehindCamera);

@@ -45,8 +45,7 @@ void add_realtime_keys(RealtimeConfig& realtime, KeyTable& t) {
 void add_recording_keys(RecordingConfig& recording, KeyTable& t) {
   t.section("recording", "of the daemon: LCM event logs of pairs (as grabbed), calibration and the messages sent");
   t.file("folder", recording.folder, "where to; empty = none are written").reloadable = true;
-  t.flag("at_start", recording.at_start,
-         "from the start on; false = when a command asks for it (cliquevo ctl record-start)");
+  t.flag("at_start", recording.at_start, "from the start on; false = on command (cliquevo ctl record-start)");
   t.number("max_file_mb", recording.max_file_mb, "MB", between(1, 1e6), "a new file when this one has so much")
       .reloadable = true;
   t.number("max_total_mb", recording.max_total_mb, "MB", between(2, 1e8),

@@ -76,7 +76,7 @@ void add_validation(VoParams& o, KeyTable& t) {
   t.number("max_uncertainty", o.max_uncertainty, "", between(0.001, 100),
            "weakly known when a motion's standard deviation is a larger share of it");
   t.number("min_mover_points", o.min_mover_points, "", between(4, 500),
-           "matches that a thing must have to be told from the world");
+           "matches that a thing must have to count as a mover");
   t.choice("after_failure", o.after_failure,
            {{"hold", vo::AfterFailure::hold}, {"constant_velocity", vo::AfterFailure::constant_velocity}},
            "what the pose does on a failed frame");

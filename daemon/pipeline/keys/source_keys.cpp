@@ -91,7 +91,7 @@ void add_camera_keys(drivers::CameraOptions& cameras, KeyTable& t) {
   t.flag("ptp", cameras.ptp, "aravis: switch PTP on");
   t.number("packet_size", cameras.packet_size, "bytes", between(0, 65535),
            "aravis: of the stream; 0 = as large as gets through");
-  t.flag("packet_resend", cameras.packet_resend, "aravis: ask for lost packets again");
+  t.flag("packet_resend", cameras.packet_resend, "aravis: request lost packets again");
   using drivers::CameraLayout;
   t.choice("layout", cameras.layout,
            {{"two_cameras", CameraLayout::two_cameras},

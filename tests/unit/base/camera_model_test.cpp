@@ -19,6 +19,17 @@ TEST(StereoModel, AcceptsAnOrdinaryPairAndTriangulatesIt) {
   EXPECT_NEAR(m.depth_error_m(10.0, 0.672), 1.0, 1e-9);
 }
 
+TEST(StereoModel, ItsFieldsOfViewAreThoseOfAPinhole) {
+  StereoModel m = good();
+  m.fx_px = 256.0;
+  m.fy_px = 192.0;
+  m.cx_px = 0.5 * m.width;
+  m.cy_px = 0.5 * m.height;
+  constexpr double kQuarterTurn = 1.57079632679489661923;
+  EXPECT_NEAR(m.horizontal_fov_rad(), kQuarterTurn, 0.01);
+  EXPECT_NEAR(m.vertical_fov_rad(), kQuarterTurn, 0.01);
+}
+
 TEST(StereoModel, NamesWhatIsImpossible) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (const auto& spoil : std::initializer_list<void (*)(StereoModel&)>{

@@ -36,24 +36,26 @@ TEST(Caught, EveryExceptionBecomesAnErrorWithThreeParts) {
     EXPECT_FALSE(result.error().remedy.empty());
   }
   EXPECT_EQ(thrown(std::runtime_error("the folder is gone")).error().remedy, "the folder is gone");
+  EXPECT_TRUE(is_caught(thrown(7).error()));
+  EXPECT_FALSE(is_caught({"no such file", "here", "check the name"}));
   EXPECT_EQ(*guarded("here", []() -> Result<int> { return 3; }), 3);
 }
 
 TEST(Caught, AThreadThatMustLiveGoesOnAfterEachException) {
   const std::atomic<bool> stop{false};
   int calls = 0;
-  int told = 0;
+  int reported = 0;
   keep_going(
       "here", stop,
       [&] {
         if (++calls < 3) throw std::runtime_error("again");
       },
       [&](const Error&) {
-        ++told;
+        ++reported;
         throw std::runtime_error("cannot even tell");
       });
   EXPECT_EQ(calls, 3);
-  EXPECT_EQ(told, 2);
+  EXPECT_EQ(reported, 2);
 }
 
 TEST(Saturating, SumsAndDistancesStayInRange) {

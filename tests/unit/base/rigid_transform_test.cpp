@@ -17,6 +17,12 @@ Vector6d random_vector(std::mt19937& rng, double translation, double rotation) {
   return v;
 }
 
+TEST(RigidTransform, SkewIsTheCrossProduct) {
+  const Eigen::Vector3d v(1.0, -2.0, 3.0), w(0.5, 4.0, -1.0);
+  EXPECT_EQ(skew(v) * w, v.cross(w));
+  EXPECT_EQ(skew(v).transpose(), -skew(v));
+}
+
 TEST(RigidTransform, ExponentialAndLogarithmInvertEachOtherFromTinyToNearlyHalfATurn) {
   std::mt19937 rng(1);
   for (const double size : {0.0, 1e-12, 1e-8, 1e-5, 1e-3, 0.1, 1.0, 1.7}) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // What files of many people leave to the reader: units in names, sizes of boards, cameras in the other order, settings
 // of another rig, matrices as transposes.
+#include <array>
+
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
@@ -269,6 +271,93 @@ TEST(oddities, both_images_side_by_side_in_the_size) {
   expect_pose(c, rig.T_right_left, "side by side");
   EXPECT_EQ(c->left.width, 640);
   EXPECT_TRUE(notes_hold(c, "side by side"));
+}
+
+TEST(oddities, names_however_the_camera_is_written_to_them) {
+  const test::Rig rig = test::make_rig();
+  struct Names {
+    const char* K;
+    const char* D;
+    const char* right_K;
+    const char* right_D;
+    const char* R;
+    const char* T;
+  };
+  for (const Names& n : std::vector<Names>{
+           {"leftcam_intrinsic", "leftcam_dist", "rightcam_intrinsic", "rightcam_dist", "R_relative", "T_relative"},
+           {"KLEFT", "DLEFT", "KRIGHT", "DRIGHT", "R_lr", "T_lr"},
+           {"LK", "LD", "RK", "RD", "Rstereo", "Tstereo"},
+           {"KKL", "distl", "KKR", "distr", "Rlr", "Tlr"},
+           {"A_izquierda", "dist_izquierda", "A_derecha", "dist_derecha", "Rs", "ts"},
+           {"mtxLeft", "distLeft", "mtxRight", "distRight", "Extr_R", "Extr_T"}}) {
+    const auto c = read("image_size: [640, 480]\n" + line(n.K, list_of(rig.K_left)) + line(n.D, list_of(rig.D_left)) +
+                        line(n.right_K, list_of(rig.K_right)) + line(n.right_D, list_of(rig.D_right)) +
+                        line(n.R, rows_of(rig.T_right_left.R)) + line(n.T, rows_of(rig.T_right_left.t)));
+    expect_pose(c, rig.T_right_left, n.K);
+    EXPECT_DOUBLE_EQ(c->left.fx_px, rig.K_left(0, 0)) << n.K;
+    EXPECT_DOUBLE_EQ(c->right.fx_px, rig.K_right(0, 0)) << n.K;
+  }
+}
+
+TEST(oddities, single_numbers_however_their_axis_is_written) {
+  for (const auto& [x, y, u, v, baseline] : std::vector<std::array<const char*, 5>>{
+           {"f_x", "f_y", "c_x", "c_y", "base_line"},
+           {"focal_length_x", "focal_length_y", "principal_point_x", "principal_point_y", "baseline_length"},
+           {"focalX", "focalY", "centerX", "centerY", "baseline_in_meters"},
+           {"alpha_u", "alpha_v", "u0", "v0", "baseLine"}}) {
+    const auto c = read(fmt::format("{}: 500.5\n{}: 500.5\n{}: 321\n{}: 243\n{}: 0.12\n", x, y, u, v, baseline));
+    ASSERT_TRUE(c.ok()) << x << ": " << c.error().line();
+    EXPECT_DOUBLE_EQ(c->left.fx_px, 500.5) << x;
+    EXPECT_DOUBLE_EQ(c->left.cx_px, 321.0) << x;
+    EXPECT_DOUBLE_EQ(c->left.cy_px, 243.0) << x;
+    EXPECT_NEAR(c->T_right_left.t.norm(), 0.12, 1e-9) << x;
+  }
+}
+
+TEST(oddities, baselines_between_wheels_or_antennas_are_not_the_cameras) {
+  const std::string camera = "K: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nwidth: 640\nheight: 480\n";
+  for (const char* other : {"wheel_baseline: 0.28\n", "robot_baseline: 0.28\n", "wheel: {baseline: 0.28}\n",
+                            "gnss_baseline: 1.1\n", "odom_baseline: 0.3\n"}) {
+    const auto alone = read(camera + other);
+    ASSERT_FALSE(alone.ok()) << other;
+    test::expect_clear(alone.error(), {"calibration"});
+    const auto beside = read(camera + "baseline: 0.12\ntrack_width: 0.3\n" + other);
+    ASSERT_TRUE(beside.ok()) << other << beside.error().line();
+    EXPECT_NEAR(beside->T_right_left.t.norm(), 0.12, 1e-9) << other;
+  }
+  const auto ours =
+      read("visual_odometry:\n  camera:\n    fx: 500\n    fy: 500\n    cx: 320\n    cy: 240\n    baseline: 0.12\n");
+  EXPECT_TRUE(ours.ok()) << ours.error().line();
+}
+
+TEST(oddities, cameras_in_lists_and_groups) {
+  const test::Rig rig = test::make_rig();
+  const std::string pose = line("R", rows_of(rig.T_right_left.R)) + line("T", rows_of(rig.T_right_left.t));
+  const auto item = [](const std::string& name, const Eigen::Matrix3d& K, const std::vector<double>& D) {
+    return fmt::format("  - {}\n    K: [{}]\n    D: [{}]\n", name, list_of(K), list_of(D));
+  };
+  const auto check = [&](const std::string& text) {
+    const auto c = read("image_size: [640, 480]\n" + text);
+    expect_pose(c, rig.T_right_left, text);
+    EXPECT_DOUBLE_EQ(c->left.fx_px, rig.K_left(0, 0)) << text;
+    EXPECT_DOUBLE_EQ(c->right.fx_px, rig.K_right(0, 0)) << text;
+    EXPECT_DOUBLE_EQ(c->right.coefficients[0], rig.D_right[0]) << text;
+  };
+  for (const auto& [left, right] : std::vector<std::pair<std::string, std::string>>{
+           {"name: left", "name: right"}, {"id: 0", "id: 1"}, {"camera_name: /cam/left", "camera_name: /cam/right"}}) {
+    const std::string l = item(left, rig.K_left, rig.D_left);
+    const std::string r = item(right, rig.K_right, rig.D_right);
+    check("cameras:\n" + l + r + pose);
+    check("cameras:\n" + r + l + pose);  // the names tell, not the order
+  }
+  for (const auto& [left, right] :
+       std::vector<std::pair<std::string, std::string>>{{"l", "r"}, {"cameraL", "cameraR"}, {"L", "R"}}) {
+    check("K:\n  " + line(left, list_of(rig.K_left)) + "  " + line(right, list_of(rig.K_right)) + "dist:\n  " +
+          line(left, list_of(rig.D_left)) + "  " + line(right, list_of(rig.D_right)) + pose);
+  }
+  check(fmt::format("cam0:\n  intrinsics: [{}]\n  dist: [{}]\ncam1:\n  intrinsics: [{}]\n  dist: [{}]\n",
+                    list_of(rig.K_left), list_of(rig.D_left), list_of(rig.K_right), list_of(rig.D_right)) +
+        pose);
 }
 
 TEST(oddities, files_of_numpy_and_matlab_are_named_as_such) {

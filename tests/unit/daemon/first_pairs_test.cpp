@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Live cameras whose first pairs contradict their calibration are told of, once, and delivered all the same.
+// Live cameras whose first pairs contradict their calibration are reported, once, and delivered all the same.
 #include "daemon/first_pairs.h"
 
 #include <mutex>
@@ -48,7 +48,7 @@ class Wall final : public drivers::FrameSource {
   Image<std::uint8_t> right_ = test::noise_picture(640, 480, 12.0, 0.0);
 };
 
-std::vector<std::string> told(bool rectified, bool live) {
+std::vector<std::string> reported(bool rectified, bool live) {
   std::vector<std::string> lines;
   std::mutex mutex;
   int pairs = 0;
@@ -69,15 +69,15 @@ std::vector<std::string> told(bool rectified, bool live) {
   return lines;
 }
 
-TEST(first_pairs, rectified_images_of_live_cameras_are_told_of_once) {
-  const std::vector<std::string> lines = told(false, true);
+TEST(first_pairs, rectified_images_of_live_cameras_are_reported_once) {
+  const std::vector<std::string> lines = reported(false, true);
   ASSERT_EQ(lines.size(), 1U);
   EXPECT_NE(lines[0].find("rectified already"), std::string::npos) << lines[0];
 }
 
-TEST(first_pairs, a_calibration_that_fits_is_not_told_of) {
-  EXPECT_TRUE(told(true, true).empty());
-  EXPECT_TRUE(told(false, false).empty());  // recordings were looked at before
+TEST(first_pairs, a_calibration_that_fits_is_not_reported) {
+  EXPECT_TRUE(reported(true, true).empty());
+  EXPECT_TRUE(reported(false, false).empty());  // recordings were looked at before
 }
 
 }  // namespace

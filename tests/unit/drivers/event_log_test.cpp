@@ -84,13 +84,13 @@ TEST(EventLog, CutAtAnyPlaceItPlaysEveryPairThatIsWhole) {
     const Played played = play(**source);
     EXPECT_EQ(played.errors, 0);
     EXPECT_EQ(played.whole, (*source)->info().frame_count);
-    const bool told = (*source)->info().description.find("cut off") != std::string::npos;
+    const bool reported = (*source)->info().description.find("cut off") != std::string::npos;
     if (length == size) {
       EXPECT_EQ(played.whole, kPairs);
-      EXPECT_FALSE(told);
+      EXPECT_FALSE(reported);
     }
     if (most > played.whole && length < size) {
-      EXPECT_TRUE(told || played.whole < most);
+      EXPECT_TRUE(reported || played.whole < most);
     }
     most = played.whole;
   }

@@ -20,6 +20,18 @@ GreyPicture decoded(Bytes file) {
   return picture;
 }
 
+TEST(DecodeImage, EachFormatIsRecognisedByItselfAlone) {
+  const std::string begins[] = {"\x89PNG\r\n\x1a\n", "\xFF\xD8\xFF\xE0", "P5\n", std::string("II*\0", 4), "BM"};
+  ASSERT_EQ(image_formats().size(), std::size(begins));
+  for (std::size_t i = 0; i < std::size(begins); ++i) {
+    const std::string file = begins[i] + std::string(100, '\0');
+    for (std::size_t k = 0; k < image_formats().size(); ++k) {
+      EXPECT_EQ(image_formats()[k].recognises(test::bytes_of(file)), i == k) << image_formats()[k].name << ' ' << i;
+    }
+    for (const ImageFormat& format : image_formats()) EXPECT_FALSE(format.recognises({})) << format.name;
+  }
+}
+
 TEST(DecodeNetpbm, BinaryAndTextWithComments) {
   const GreyPicture binary =
       decoded(test::bytes_of(std::string("P5 # a comment\n3 # another\n2\n255\n\x01\x02\x03\x04\x05\xff")));

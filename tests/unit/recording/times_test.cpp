@@ -60,6 +60,7 @@ TEST(times_file, ten_hertz_however_it_is_written) {
            "20210302T103717.894528\n20210302T103717.994528\n20210302T103718.094528\n",
            "20210302T113717.894528+01:00\n20210302T113717.994528+01:00\n20210302T113718.094528+01:00\n",
            "[1614681437.894528,\n1614681437.994528,\n1614681438.094528]\n",
+           "[1614681437.894528, 1614681437.994528, 1614681438.094528]\n",
            "(0, 1614681437.894528)\n(1, 1614681437.994528)\n(2, 1614681438.094528)\n",
            "\"2021-03-02 10:37:17.894528\",1\n\"2021-03-02 10:37:17.994528\",2\n\"2021-03-02 10:37:18.094528\",3\n",
        }) {
@@ -94,6 +95,13 @@ TEST(times_file, utf_16_of_either_order_with_its_mark_or_without) {
     }
   }
   EXPECT_EQ(utf8_of(std::string("\xFF\xFE\x3D\xD8\x00\xDE\xB5\x00", 8)), "\xF0\x9F\x98\x80\xC2\xB5");
+}
+
+TEST(times_file, lines_that_end_as_on_an_old_mac) {
+  const std::string path = test::write_file(test::scratch_dir() + "/times.txt", "time\r0.0\r0.1\r0.2\r");
+  const auto text = read_text_file(path, "times file", 1000);
+  ASSERT_TRUE(text.ok()) << text.error().line();
+  EXPECT_EQ(stamps_of(*text), (Stamps{0, 100'000'000, 200'000'000}));
 }
 
 TEST(times_file, junk_is_an_error_with_its_line) {

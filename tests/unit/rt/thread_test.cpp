@@ -2,8 +2,10 @@
 #include "core/rt/thread.h"
 
 #include <atomic>
+#include <cstdlib>
 #include <pthread.h>
 #include <sched.h>
+#include <stdexcept>
 
 #include <gtest/gtest.h>
 
@@ -51,6 +53,19 @@ TEST(Thread, IsOnItsCoreWithItsPriorityOrSaysThatItIsNot) {
   } else {
     EXPECT_NE(thread->shortfall().find("Operation not permitted"), std::string::npos) << thread->shortfall();
   }
+}
+
+TEST(Thread, ABodyThatThrowsEndsTheProgramWithOneLineAndTheCodeThatWasSet) {
+  EXPECT_EXIT(
+      {
+        exceptions_end_with(9);
+        ThreadOptions options;
+        options.name = "vo-grab";
+        auto thread = Thread::start(options, [] { throw std::runtime_error("the camera is gone"); });
+        thread->join();
+        std::_Exit(1);
+      },
+      testing::ExitedWithCode(9), "vo-grab.*the camera is gone");
 }
 
 TEST(Thread, RunsWithoutACoreThatDoesNotExistAndSaysSo) {

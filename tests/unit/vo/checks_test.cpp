@@ -202,6 +202,28 @@ TEST(Checks, WhoStandsIsKnownByTheDistanceOfWhatIsSeen) {
   EXPECT_TRUE(check_uncertainty(seen.input(), Matrix6d::Identity() * 1e-3, seen.params).fails());
 }
 
+TEST(Checks, SpreadIsTheRatioOfTheAxesOfTheInliersPlaces) {
+  std::vector<Observation> four(4);
+  four[0].uvd_cur = {0.0, 0.0, 5.0};
+  four[1].uvd_cur = {40.0, 0.0, 5.0};
+  four[2].uvd_cur = {40.0, 20.0, 5.0};
+  four[3].uvd_cur = {0.0, 20.0, 5.0};
+  EXPECT_NEAR(spread_ratio(four), 0.25, 1e-12) << "(20 / 40)^2";
+  four[2].uvd_cur.y() = four[3].uvd_cur.y() = 40.0;
+  EXPECT_NEAR(spread_ratio(four), 1.0, 1e-12);
+  four[2].inlier = four[3].inlier = false;
+  EXPECT_EQ(spread_ratio(four), 0.0) << "two lie on a line";
+}
+
+TEST(Checks, ACommonChangeOfLightIsNoneAndAGlowIsOne) {
+  Seen seen;
+  for (Observation& o : seen.observations) o.brighter = 25.0F;
+  EXPECT_EQ(change_of_light(seen.observations, seen.scratch), 0.0);
+  for (std::size_t i = 0; i < seen.observations.size(); i += 4) seen.observations[i].brighter = 75.0F;
+  EXPECT_EQ(change_of_light(seen.observations, seen.scratch), 50.0) << "of a quarter";
+  EXPECT_EQ(change_of_light({}, seen.scratch), 0.0);
+}
+
 TEST(Verdict, FollowsTheFirstCheckThatFails) {
   Checks checks;
   EXPECT_EQ(verdict(checks), Status::valid);

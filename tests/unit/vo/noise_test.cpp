@@ -72,6 +72,50 @@ TEST(Noise, WithoutInformationAReadingCountsForNothing) {
   EXPECT_EQ(noise.shift_sigma_px(), before);
 }
 
+TEST(Noise, RowsOfAFrameCountAsFarAsTheyExceedNoise) {
+  CameraNoise still, shaking;
+  Frame frame{VoParams{}};
+  frame.row_scatter_px = 0.1;
+  for (int i = 0; i < 200; ++i) {
+    frame.row_shift_px = i % 2 == 0 ? 0.02 : -0.02;
+    still.add_views(frame);
+    frame.row_shift_px = i % 2 == 0 ? 0.5 : -0.5;
+    shaking.add_views(frame);
+  }
+  frame.row_shift_px = 0.5;
+  EXPECT_EQ(still.row_shift_px(frame), 0.0);
+  EXPECT_NEAR(shaking.row_shift_px(frame), 0.5, 0.01);
+}
+
+TEST(Noise, GreyLevelsAreTheMeanOfWhatFramesShow) {
+  CameraNoise noise;
+  Frame frame{VoParams{}};
+  frame.row_scatter_px = 0.1;
+  for (const double greys : {2.0, 4.0, 6.0}) {
+    frame.grey_scatter = greys;
+    noise.add_views(frame);
+  }
+  EXPECT_NEAR(noise.grey_levels(), 4.0, 1e-9);
+}
+
+TEST(DeadReckoning, PredictsTheLastMotionOverAnyTime) {
+  DeadReckoning reckoning{VoParams{}};
+  EXPECT_FALSE(reckoning.knows_speed());
+  EXPECT_EQ(reckoning.prediction(1'000'000'000).t.norm(), 0.0);
+  RigidTransform step;
+  step.t = {0.0, 0.0, 0.2};
+  step.R = so3_exp({0.0, 0.02, 0.0});
+  reckoning.learn(step, 100'000'000);
+  EXPECT_TRUE(reckoning.knows_speed());
+  EXPECT_EQ(reckoning.last_motion().t, step.t);
+  const RigidTransform later = reckoning.prediction(250'000'000);
+  EXPECT_NEAR(later.t.z(), 0.5, 1e-12);
+  EXPECT_NEAR(later.angle(), 0.05, 1e-9);
+  reckoning.learn(step, 0);
+  reckoning.reset();
+  EXPECT_FALSE(reckoning.knows_speed());
+}
+
 TEST(DeadReckoning, SmoothesWhatItLearned) {
   DeadReckoning reckoning{VoParams{}};
   RigidTransform step;
@@ -144,6 +188,47 @@ TEST(ReferenceFrames, KeepThreeFramesOfTheWayAndAlwaysHaveASpareOne) {
   EXPECT_EQ(frames.covariance_to_valid(*frames.valid())(0, 0), 0.0);
   EXPECT_EQ(frames.covariance_to_valid(*frames.older()[0])(0, 0), 1.0);
   EXPECT_EQ(frames.covariance_to_valid(*frames.older()[2])(0, 0), 3.0);
+}
+
+TEST(ReferenceFrames, AFrameThatHasNoOtherRoleIsFreeAgain) {
+  ReferenceFrames frames(kModel, {});
+  Frame* const first = frames.spare();
+  frames.accept(first, Matrix6d::Identity(), true);
+  Frame* const second = frames.spare();
+  EXPECT_NE(second, first) << "it is the valid one and the key frame";
+  frames.refuse(second);
+  EXPECT_EQ(&frames.last(), second);
+  EXPECT_EQ(frames.failed(), second);
+  Frame* const third = frames.spare();
+  frames.accept(third, Matrix6d::Identity(), false);
+  EXPECT_EQ(frames.failed(), nullptr);
+  EXPECT_EQ(&frames.last(), third);
+  EXPECT_EQ(frames.key(), first);
+  EXPECT_EQ(frames.covariance_to_valid(*first)(0, 0), 1.0) << "the valid one is known to this, seen from the key frame";
+  frames.clear();
+  EXPECT_EQ(frames.valid(), nullptr);
+  EXPECT_EQ(frames.key(), nullptr);
+}
+
+TEST(SurfacePatch, BetweenRowsOfARollingShutterLiesItsShareOfTheWay) {
+  StereoModel rolling = kModel;
+  rolling.readout_s = 0.02;
+  const RollingShutter shutter(rolling);
+  Feature f;
+  f.x = 160;
+  f.y = 120;
+  f.disparity_px = 20.0;  // at 3 m
+  RigidTransform T_cur_ref;
+  T_cur_ref.t.y() = -0.5;  // up by 50 px there: a quarter of the picture later
+  Velocity velocity = Velocity::Zero();
+  velocity[0] = 1.0;  // m/s to the right
+  const RigidTransform T = between_rows(rolling, shutter, f, f.disparity_px, T_cur_ref, Velocity::Zero(), velocity);
+  // The row 50 px higher is exposed earlier by its share of the readout: the camera is still further left.
+  EXPECT_NEAR(T.t.x(), 0.02 * 50.0 / 240.0, 1e-4);
+  EXPECT_NEAR(T.t.y(), -0.5, 1e-4);
+  EXPECT_NEAR(velocity_of(T_cur_ref, 500'000'000)[1], -1.0, 1e-9);
+  EXPECT_TRUE(shutter.rolls());
+  EXPECT_FALSE(RollingShutter(kModel).rolls());
 }
 
 TEST(SurfacePatch, OfAFrontalWallSeenFromNearerIsLarger) {

@@ -102,6 +102,20 @@ TEST(SelfCheck, RowsAreJudgedWhereFeaturesWereSeen) {
   EXPECT_FALSE(found.noticeable()) << describe(found);
 }
 
+TEST(SelfCheck, IsUnsettledWhileItLearnsAndLessUncertainAfterwards) {
+  SelfCheck check(kModel, {});
+  const double at_first = check.offset_variance_px2();
+  EXPECT_EQ(check.unsettled(), 1.0);
+  double most = 1.0;
+  for (int frame = 0; frame < 600; ++frame) {
+    check.add_offset(0.5 - check.disparity_error_px(kModel.cx_px, kModel.cy_px), 400.0);
+    most = std::max(most, check.unsettled());
+  }
+  EXPECT_GT(most, 2.0) << "half a pixel is news";
+  EXPECT_NEAR(check.unsettled(), 1.0, 0.1);
+  EXPECT_LT(check.offset_variance_px2(), 0.1 * at_first);
+}
+
 TEST(SelfCheck, UnusableReadingsChangeNothing) {
   SelfCheck check(kModel, {});
   check.add_offset(std::nan(""), 100.0);

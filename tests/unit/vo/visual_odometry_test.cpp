@@ -3,67 +3,17 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/unit/vo/walls.h"
+
 namespace cliquevo::vo {
 namespace {
 
-const StereoModel kModel{320, 240, 300.0, 300.0, 159.5, 119.5, 0.2, 0.0};
-constexpr std::int64_t kPeriod_ns = 100'000'000;
-
-// Two textured walls that face the camera, one above the other, at depths that give 8 and 20 px of disparity: what a
-// camera sees of them from (x, y) to the side can be written down, to any fraction of a pixel.
-class Scene {
- public:
-  explicit Scene(unsigned seed = 1) {
-    std::mt19937 rng(seed);
-    std::uniform_real_distribution<double> frequency(-0.9, 0.9), phase(0.0, 6.28);
-    for (auto& w : waves_) w = {frequency(rng), frequency(rng), phase(rng)};
-  }
-
-  struct Views {
-    Image<std::uint8_t> left, right, filtered;
-    Image<std::int16_t> disparity;
-    FrameInput input(std::int64_t frame) const {
-      return {frame * kPeriod_ns, left.cview(), right.cview(), filtered.cview(), disparity.cview()};
-    }
-  };
-
-  Views from(double x_m, double y_m, double gain = 1.0) const {
-    Views v;
-    v.left.resize(kModel.width, kModel.height);
-    v.right.resize(kModel.width, kModel.height);
-    v.filtered.resize(kModel.width, kModel.height);
-    v.disparity.resize(kModel.width, kModel.height);
-    for (int row = 0; row < kModel.height; ++row) {
-      const double d = row < kModel.height / 2 ? 8.0 : 20.0;
-      const double px_per_m = kModel.fx_px / kModel.depth_m(d);
-      for (int column = 0; column < kModel.width; ++column) {
-        const double u = column + x_m * px_per_m;
-        const double w = row + y_m * px_per_m;
-        v.left.view()(column, row) = grey(u, w, d, gain);
-        v.right.view()(column, row) = grey(u + d, w, d, gain);
-        v.filtered.view()(column, row) = static_cast<std::uint8_t>(v.left.view()(column, row) / 4);
-        v.disparity.view()(column, row) = static_cast<std::int16_t>(d * kDisparityScale);
-      }
-    }
-    return v;
-  }
-
- private:
-  struct Wave {
-    double fx, fy, phase;
-  };
-  std::uint8_t grey(double u, double v, double wall, double gain) const {
-    double sum = 0.0;
-    for (const Wave& w : waves_) sum += std::sin(w.fx * u + w.fy * v + w.phase + wall);
-    return static_cast<std::uint8_t>(std::lround(std::clamp(gain * (110.0 + 22.0 * sum), 0.0, 255.0)));
-  }
-  Wave waves_[14];
-};
+const StereoModel kModel = Walls::model();
+constexpr std::int64_t kPeriod_ns = Walls::kPeriod_ns;
 
 VisualOdometry make(const VoParams& params = {}) {
   auto made = VisualOdometry::make(kModel, params);
@@ -72,7 +22,7 @@ VisualOdometry make(const VoParams& params = {}) {
 }
 
 TEST(VisualOdometry, FollowsASidewaysMotionToAFractionOfAPixel) {
-  const Scene scene;
+  const Walls scene;
   VisualOdometry vo = make();
   for (int i = 0; i < 12; ++i) {
     ASSERT_TRUE(vo.process(scene.from(0.013 * i, -0.004 * i).input(i)).ok());
@@ -86,7 +36,7 @@ TEST(VisualOdometry, FollowsASidewaysMotionToAFractionOfAPixel) {
 }
 
 TEST(VisualOdometry, StandsStillThroughAnExposureChange) {
-  const Scene scene;
+  const Walls scene;
   VisualOdometry vo = make();
   for (int i = 0; i < 10; ++i) {
     ASSERT_TRUE(vo.process(scene.from(0.0, 0.0, i < 5 ? 1.0 : 0.8).input(i)).ok());
@@ -98,11 +48,11 @@ TEST(VisualOdometry, StandsStillThroughAnExposureChange) {
 }
 
 TEST(VisualOdometry, ReportsABlindFrameAndBridgesIt) {
-  const Scene scene;
+  const Walls scene;
   VisualOdometry vo = make();
   ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
   ASSERT_TRUE(vo.process(scene.from(0.01, 0.0).input(1)).ok());
-  Scene::Views blank = scene.from(0.0, 0.0);
+  Walls::Views blank = scene.from(0.0, 0.0);
   blank.left.fill(90);
   blank.right.fill(90);
   blank.filtered.fill(31);
@@ -121,18 +71,18 @@ TEST(VisualOdometry, ReportsABlindFrameAndBridgesIt) {
 
 TEST(VisualOdometry, AnotherWorldIsAFailureNotAMotion) {
   VisualOdometry vo = make();
-  ASSERT_TRUE(vo.process(Scene(1).from(0.0, 0.0).input(0)).ok());
-  ASSERT_TRUE(vo.process(Scene(2).from(0.0, 0.0).input(1)).ok());
+  ASSERT_TRUE(vo.process(Walls(1).from(0.0, 0.0).input(0)).ok());
+  ASSERT_TRUE(vo.process(Walls(2).from(0.0, 0.0).input(1)).ok());
   EXPECT_NE(vo.estimate().status, Status::valid);
 }
 
 TEST(VisualOdometry, RefusesUnusableInputAndStaysAsItWas) {
-  const Scene scene;
+  const Walls scene;
   VisualOdometry vo = make();
   ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
   ASSERT_TRUE(vo.process(scene.from(0.01, 0.0).input(1)).ok());
   const Estimate before = vo.estimate();
-  const Scene::Views good = scene.from(0.02, 0.0);
+  const Walls::Views good = scene.from(0.02, 0.0);
   FrameInput no_right = good.input(2);
   no_right.right = {};
   EXPECT_FALSE(vo.process(no_right).ok());
@@ -147,12 +97,12 @@ TEST(VisualOdometry, RefusesUnusableInputAndStaysAsItWas) {
 }
 
 TEST(VisualOdometry, NamesWhatIsWrongWithItsInputAndStaysAsItWas) {
-  const Scene scene;
+  const Walls scene;
   VisualOdometry vo = make();
   ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
   ASSERT_TRUE(vo.process(scene.from(0.01, 0.0).input(1)).ok());
   const Estimate before = vo.estimate();
-  const Scene::Views good = scene.from(0.02, 0.0);
+  const Walls::Views good = scene.from(0.02, 0.0);
   std::vector<FrameInput> bad(6, good.input(2));
   bad[0].left = {};
   bad[1].right = {};
@@ -175,7 +125,7 @@ TEST(VisualOdometry, NamesWhatIsWrongWithItsInputAndStaysAsItWas) {
     }
   }
   // Features without disparity are no features: a verdict, not an error.
-  Scene::Views flat = scene.from(0.02, 0.0);
+  Walls::Views flat = scene.from(0.02, 0.0);
   flat.disparity.fill(kUnknownDisparity);
   ASSERT_TRUE(vo.process(flat.input(2)).ok());
   EXPECT_EQ(vo.estimate().features, 0);
@@ -186,7 +136,7 @@ TEST(VisualOdometry, NamesWhatIsWrongWithItsInputAndStaysAsItWas) {
 }
 
 TEST(VisualOdometry, AMaskKeepsFeaturesAway) {
-  const Scene scene;
+  const Walls scene;
   VisualOdometry vo = make();
   Image<std::uint8_t> mask(kModel.width, kModel.height);
   mask.fill(0);
@@ -199,7 +149,7 @@ TEST(VisualOdometry, AMaskKeepsFeaturesAway) {
 }
 
 // Something near in the lower half that goes where the camera goes: bright spots on dark tiles, no two alike.
-void put_vehicle_part(Scene::Views& v) {
+void put_vehicle_part(Walls::Views& v) {
   constexpr int kDisparity = 40;
   constexpr int kTile = 10;
   for (int row = 150; row < 220; ++row) {
@@ -219,7 +169,7 @@ void put_vehicle_part(Scene::Views& v) {
 }
 
 TEST(VisualOdometry, DetectsAPartOfTheVehicleInTheView) {
-  Scene::Views here = Scene().from(0.0, 0.0), there = Scene().from(0.03, 0.01);
+  Walls::Views here = Walls().from(0.0, 0.0), there = Walls().from(0.03, 0.01);
   put_vehicle_part(here);
   put_vehicle_part(there);
   VisualOdometry vo = make();
@@ -238,7 +188,7 @@ TEST(VisualOdometry, DetectsAPartOfTheVehicleInTheView) {
 }
 
 TEST(VisualOdometry, ResetStartsAgainAtTheIdentity) {
-  const Scene scene;
+  const Walls scene;
   VisualOdometry vo = make();
   ASSERT_TRUE(vo.process(scene.from(0.0, 0.0).input(0)).ok());
   ASSERT_TRUE(vo.process(scene.from(0.05, 0.0).input(1)).ok());

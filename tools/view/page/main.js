@@ -132,8 +132,9 @@ function showTexts(now) {
   $("why").querySelector(".scroll").innerHTML = whyHtml(r, view.hello.checks, view.hello.verdicts);
   const t = (r.t - records.list[0].t) / 1e6;
   $("position").textContent = `frame ${r.i}, ${t.toFixed(2)} s`;
-  const off = r.tr ? `, ${lengthText(Math.hypot(r.p[0] - r.tr[0], r.p[1] - r.tr[1], r.p[2] - r.tr[2]))} from the reference` : "";
-  $("place").textContent = `${r.p[0].toFixed(2)} m forward, ${(-r.p[1]).toFixed(2)} m right, ${r.p[2].toFixed(2)} m up${off}`;
+  const off = r.tr ? `, ${lengthText(Math.hypot(r.p[0] - r.tr[0], r.p[1] - r.tr[1], r.p[2] - r.tr[2]))} off` : "";
+  $("place").textContent = `${r.p[0].toFixed(2)} m forward, ${(-r.p[1]).toFixed(2)} right, ${r.p[2].toFixed(2)} up${off}`;
+  $("place").title = `from the start, m${r.tr ? "; off: how far the way is from the reference" : ""}`;
   $("play").textContent = view.playing ? "❚❚" : "▶";
   $("next-failed").disabled = records.failed.length === 0;
 }

@@ -348,11 +348,15 @@ export class ScenePanel {
   drawCompass(context, w) {
     const x = w - 42, y = 42, v = new THREE.Vector3();
     context.lineWidth = 2;
-    for (const [axis, name, colour] of [[[1, 0, 0], "forward", "#ffb000"], [[0, -1, 0], "right", "#57c7ff"], [[0, 0, 1], "up", "#35e0a1"]]) {
+    const taken = [];
+    for (const [axis, name, colour] of [[[0, 0, 1], "up", "#35e0a1"], [[1, 0, 0], "forward", "#ffb000"], [[0, -1, 0], "right", "#57c7ff"]]) {
       v.set(...axis).transformDirection(this.camera.matrixWorldInverse);
       context.strokeStyle = context.fillStyle = colour;
       context.beginPath(); context.moveTo(x, y); context.lineTo(x + 26 * v.x, y - 26 * v.y); context.stroke();
-      if (Math.hypot(v.x, v.y) > 0.4) { const t = context.measureText(name).width; context.fillText(name, Math.min(x + 32 * v.x - t / 2, w - t - 2), y - 34 * v.y + 4); }
+      const t = context.measureText(name).width, at = [Math.min(x + 32 * v.x - t / 2, w - t - 2), y - 34 * v.y + 4];
+      if (Math.hypot(v.x, v.y) < 0.4 || taken.some(([a, b]) => Math.abs(a - at[0]) < 38 && Math.abs(b - at[1]) < 11)) continue;
+      taken.push(at);
+      context.fillText(name, ...at);
     }
   }
 }

@@ -92,10 +92,10 @@ TEST(OdometryBuilder, TheCovarianceIsThatOfManyNoisyWays) {
     error << pose.t - true_pose.t, so3_log(pose.R * true_pose.R.transpose());
     sampled += error * error.transpose() / kWays;
   }
-  const Matrix6d told = matrix(last.pose_covariance);
-  EXPECT_TRUE(told.isApprox(told.transpose()));
+  const Matrix6d reported = matrix(last.pose_covariance);
+  EXPECT_TRUE(reported.isApprox(reported.transpose()));
   // Along every direction: the generalised eigenvalues are 1 but for the sampling, sqrt(2 / 4000) = 2 %.
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratio(sampled, told);
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix6d> ratio(sampled, reported);
   EXPECT_GT(ratio.eigenvalues().minCoeff(), 0.88);
   EXPECT_LT(ratio.eigenvalues().maxCoeff(), 1.14);
 }
