@@ -29,8 +29,8 @@ std::vector<Isa> isas();
 
 // What active_isa() decides from.
 struct IsaChoice {
-  Isa isa = Isa::reference;
-  std::string complaint;  // one line: what, where, what to do; empty: none
+  Isa isa = Isa::reference;  // one that this machine runs
+  std::string complaint;     // one line: what, where, what to do; empty: none
 };
 // forced: what CLIQUEVO_ISA holds; empty or nullptr: nothing is forced.
 IsaChoice choose_isa(const char* forced);
