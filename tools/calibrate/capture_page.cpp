@@ -18,7 +18,8 @@ using nlohmann::json;
 constexpr int kJpegQuality = 85;
 constexpr std::int64_t kStoreBytes = std::int64_t{64} << 20;
 constexpr std::size_t kStoredPairs = 60;
-constexpr auto kLinger = std::chrono::milliseconds(2500);
+constexpr auto kLinger = std::chrono::milliseconds(500);
+constexpr int kMostLingers = 40;
 
 std::string text_of(const json& value) { return value.dump(-1, ' ', false, json::error_handler_t::replace); }
 
@@ -90,6 +91,7 @@ std::string CapturePage::address() const {
 
 std::string CapturePage::state() const {
   const std::lock_guard lock(mutex_);
+  if (phase_ == "done" || phase_ == "failed") told_last_ = true;
   std::string out = text_of({{"op", "state"}, {"phase", phase_}, {"text", text_}});
   if (!looked_.empty()) out.insert(out.size() - 1, "," + looked_);
   return out;
@@ -130,7 +132,8 @@ void CapturePage::tell(const std::string& phase, const std::string& text) {
 }
 
 void CapturePage::linger() const {
-  if (greeted_) std::this_thread::sleep_for(kLinger);
+  for (int i = 0; greeted_ && !told_last_ && i < kMostLingers; ++i) std::this_thread::sleep_for(kLinger);
+  if (told_last_) std::this_thread::sleep_for(kLinger);  // it is on its way
 }
 
 }  // namespace cliquevo::tools

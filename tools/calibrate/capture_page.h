@@ -35,7 +35,7 @@ class CapturePage {
   bool take_wanted() { return take_.exchange(false); }
   bool drop_wanted() { return drop_.exchange(false); }
   bool finish_wanted() { return finish_.exchange(false); }
-  // Waits until pages have had time to take in the last word.
+  // Waits until a page that is open has been told the last word.
   void linger() const;
 
  private:
@@ -51,6 +51,7 @@ class CapturePage {
   std::string phase_ = "looking";
   std::string text_;
   std::atomic<bool> take_{false}, drop_{false}, finish_{false}, ending_{false}, greeted_{false};
+  mutable std::atomic<bool> told_last_{false};
   std::thread thread_;
 };
 
