@@ -16,7 +16,7 @@ const writable = {
   },
 };
 // The library leaves compression to its user: here the command line tools of zstd and lz4.
-const tools = { zstd: ["zstd", ["-q", "-c"]], lz4: ["lz4", ["-q", "-c"]] };
+const tools = { zstd: ["zstd", ["-q", "-c", "-1"]], lz4: ["lz4", ["-q", "-c"]] };
 const tool = tools[compression];
 const compressChunk = tool && ((chunk) => {
   const done = spawnSync(tool[0], tool[1], { input: chunk, maxBuffer: 1 << 30 });

@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 constexpr int kPairs = 12;
 constexpr int kTimes = 1200;  // of 320 x 240: 2.2 GB
 constexpr std::int64_t kAll = std::int64_t{kPairs} * kTimes;
-constexpr std::uintmax_t kLeastBytes = 2'000'000'000;
+constexpr std::uintmax_t kLeastBytes = 2'000'000'000;  // what is in compressed ones is as much, but not the file
 constexpr double kMostSeek_s = 1.0;
 constexpr long kMostMemory_kb = 300'000;
 
@@ -101,6 +101,7 @@ Measured measure(const std::vector<std::string>& command) {
   const auto start = std::chrono::steady_clock::now();
   const pid_t child = ::fork();
   if (child == 0) {
+    ::dup2(::open("/dev/null", O_WRONLY | O_CLOEXEC), STDOUT_FILENO);
     std::vector<char*> arguments;
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
@@ -117,8 +118,8 @@ Measured measure(const std::vector<std::string>& command) {
   return out;
 }
 
-void expect_quick_and_small(const std::string& path) {
-  ASSERT_GE(fs::file_size(path), kLeastBytes);
+void expect_quick_and_small(const std::string& path, std::uintmax_t least_bytes = kLeastBytes) {
+  ASSERT_GE(fs::file_size(path), least_bytes);
   drop_cached(path);
   const Seek cold = seek_middle(path);
   const Seek warm = seek_middle(path);
@@ -167,7 +168,7 @@ TEST(LargeBags, AnMcap) {
 
 TEST(LargeBags, AnMcapOfCompressedChunks) {
   const LargeBag bag("large_zstd.mcap", "zstd");
-  expect_quick_and_small(bag.path());
+  expect_quick_and_small(bag.path(), kLeastBytes / 2);
   expect_plays_when_torn(bag.path());
 }
 
