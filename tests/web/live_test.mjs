@@ -40,6 +40,7 @@ function sleeper(port) {
 
 await main(async (browser) => {
   fs.mkdirSync(path.join(output, "recordings"), { recursive: true });
+  fs.rmSync(course, { recursive: true, force: true });  // of a run that was broken off
   const made = await run(["simulate", "--out", course, "--frames", "150", "--movers", "2", "--width", size[0], "--height", size[1]]);
   check("a course to drive", made.code === 0, made.err);
   let daemon = startDaemon();

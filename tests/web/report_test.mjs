@@ -44,6 +44,7 @@ await main(async (browser) => {
   await wait(400);
   await page.screenshot({ path: file("report-whole.png"), fullPage: true });
 
+  fs.rmSync(file("course"), { recursive: true, force: true });  // of a run that was broken off
   const reference = await run(["simulate", "--out", file("course"), "--frames", String(frames)]);
   check("a course with truth", reference.code === 0, reference.err);
   const evaluated = await run(["eval", "--reference", file("course/poses.txt"), "--estimate", file("run.txt"), "--lengths", "2,5", "--report", file("eval.html")]);
