@@ -101,7 +101,9 @@ export async function openPage(browser, address, size = { width: 1440, height: 9
   page.strangers = [];
   page.on("console", (m) => { if (m.type() === "error" || m.type() === "warning") if (!/GPU stall|GL Driver|WebGL|willReadFrequently/.test(m.text())) page.complaints.push(m.text()); });
   page.on("pageerror", (e) => page.complaints.push(String(e)));
-  page.on("request", (r) => { const u = r.url(); if (!u.startsWith(address.split("?")[0]) && !/^(data|blob):/.test(u)) page.strangers.push(u); });
+  // A page from a server: what is beyond its origin; one from disk: all but itself.
+  const own = address.startsWith("http") ? `${new URL(address).origin}/` : address.split("?")[0];
+  page.on("request", (r) => { const u = r.url(); if (!u.startsWith(own) && !/^(data|blob):/.test(u)) page.strangers.push(u); });
   if (process.env.CLIQUEVO_PAGE) await page.route(/\.(js|css)$/, (r) => r.fulfill({ path: path.join(process.env.CLIQUEVO_PAGE, new URL(r.request().url()).pathname) }));
   await page.goto(address, { timeout: 120000 });
   return page;

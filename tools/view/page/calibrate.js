@@ -19,7 +19,7 @@ link.addEventListener("frame", async ({ detail }) => {
   const frame = unpack(detail);
   if (!frame) return;
   const decoded = await decode(frame);
-  sides.forEach((side, k) => draw(side, decoded[side], decoded.features.filter((f) => f.role === k)));
+  sides.forEach((side, k) => draw(side, decoded[side], frame.features.filter((f) => f.role === k)));
   ++page.drawn;
 });
 
