@@ -56,10 +56,12 @@ void put(const Matrix6d& M, double (&out)[6][6]) {
 
 }  // namespace
 
-PoseCovariance::PoseCovariance() : matrix_(start_covariance()), last_(Matrix6d::Zero()) {}
+PoseCovariance::PoseCovariance() : matrix_(start_covariance()), last_(Matrix6d::Zero()), shared_(Matrix6d::Zero()) {}
 
+// The errors of motion k are L_k (m_k + b_k), where L_k L_k^T is its covariance, m_k a moving average of one step and
+// b_k a Gauss-Markov process: their joint covariance is exact, so that what comes of it is one.
 void PoseCovariance::add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved, const Matrix6d& delta,
-                         bool follows) {
+                         Motion motion) {
   // p = p0 + R0 t, R = R0 dR; the delta's perturbation (a, b) makes t + a + b x t and exp(b) dR of them.
   Matrix6d F = Matrix6d::Identity();
   F.topRightCorner<3, 3>() = -cross(R_before * moved);
@@ -68,13 +70,14 @@ void PoseCovariance::add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d&
   G.topRightCorner<3, 3>() = -R_before * cross(moved);
   G.bottomRightCorner<3, 3>() = R_before;
   const Eigen::LLT<Matrix6d> root(delta);
-  const bool usable = root.info() == Eigen::Success && delta.allFinite();
+  const bool usable = motion != Motion::guess && root.info() == Eigen::Success && delta.allFinite();
   const Matrix6d now = usable ? Matrix6d(G * Matrix6d(root.matrixL())) : Matrix6d::Zero();
-  matrix_ = F * matrix_ * F.transpose() + G * delta * G.transpose();
-  if (follows) {
-    const Matrix6d shared = F * last_ * now.transpose();
-    matrix_ -= kTakenBack * (shared + shared.transpose());
-  }
+  static const double fade = std::exp(-1.0 / kSharedMotions);
+  const Matrix6d shared = fade * F * shared_;
+  Matrix6d with_pose = shared * now.transpose();
+  if (motion == Motion::next) with_pose -= (1.0 - kShared) * kTakenBack * F * last_ * now.transpose();
+  matrix_ = F * matrix_ * F.transpose() + G * delta * G.transpose() + with_pose + with_pose.transpose();
+  shared_ = shared + kShared * now;
   last_ = now;
 }
 
@@ -99,7 +102,8 @@ void OdometryBuilder::follow(const vo::Estimate& e) {
   const RigidTransform T = T_body_camera_ * e.T_prev_cur * T_camera_body_;
   const Matrix6d delta = adjoint_body_camera_ * e.covariance * adjoint_body_camera_.transpose();
   State now{body_pose(e), valid_->covariance, e.stamp_ns};
-  now.covariance.add(valid_->T_odom_body.R, T.t, delta, !guessed_);
+  using Motion = PoseCovariance::Motion;
+  now.covariance.add(valid_->T_odom_body.R, T.t, delta, guessed_ ? Motion::after_gap : Motion::next);
   if (guessed_ && is_jump(now)) ++reset_counter_;
   const double dt_s = std::max(1e-6, static_cast<double>(e.stamp_ns - e.prev_stamp_ns) * 1e-9);
   twist_.velocity = T.R.transpose() * T.t / dt_s;
@@ -120,7 +124,8 @@ void OdometryBuilder::carry_on(const vo::Estimate& e, bool usable) {
   const Eigen::Matrix3d& R = valid_->T_odom_body.R;
   const Eigen::Vector3d moved = R.transpose() * (now.T_odom_body.t - valid_->T_odom_body.t);
   const Matrix6d guess = usable ? e.covariance : Matrix6d::Identity() * kUnknownVariance;
-  now.covariance.add(R, moved, adjoint_body_camera_ * guess * adjoint_body_camera_.transpose(), false);
+  now.covariance.add(R, moved, adjoint_body_camera_ * guess * adjoint_body_camera_.transpose(),
+                     PoseCovariance::Motion::guess);
   twist_.covariance = Matrix6d::Identity() * kUnknownVariance;
   shown_ = now;
   guessed_ = true;

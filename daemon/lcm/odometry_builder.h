@@ -13,28 +13,37 @@
 
 namespace cliquevo::daemon {
 
-// Errors of one motion and the next are not independent: noise of the image between them moves its pose forth in the
-// one and back in the other. Of motions whose covariances differ little, their correlation is taken as -kTakenBack, so
-// that the variance of the sum of many grows by 1 - 2 kTakenBack of each, while that of each alone is as it was.
-// Measured on the simulator's courses (tests/system/pose_covariance_test.cpp): -0.33 with the next motion, and small
-// positive ones with dozens that follow it, of the same features on the same surfaces. They make up for a part: with
-// this value the errors over 10 to 100 m are as large as their covariance says.
-inline constexpr double kTakenBack = 0.2;
+// How errors of successive motions go together, as measured on the simulator's courses, in units of each motion's
+// covariance (tests/system/pose_covariance_test.cpp prints both).
+// Noise of the image between two motions moves its pose forth in the one and back in the other: their correlation is
+// -kTakenBack. Sums of ten motions have less than half the variance that independent ones would have.
+inline constexpr double kTakenBack = 1.0 / 3.0;
+// The same features on the same surfaces, and what is left of the calibration's errors: a share kShared of each
+// variance is of errors that many motions have in common, and that fade over kSharedMotions of them. Sums of hundreds
+// have once to twice the variance.
+inline constexpr double kShared = 0.0035;
+inline constexpr double kSharedMotions = 100.0;
 
 // Covariance of a pose over the way to it: of position and rotation vector along the axes of the odometry frame.
 class PoseCovariance {
  public:
+  enum class Motion {
+    next,       // measured from where the last one that was added ended
+    after_gap,  // measured, but from elsewhere or across frames that failed
+    guess
+  };
+
   PoseCovariance();  // of a start: as good as exact
 
   // A motion by `moved` in the body's frame, which stood along R_before. `delta`: covariance of a perturbation on the
-  // motion's left. follows: the motion began where the last one that was added ended, with its last image. What this
-  // gives is the covariance of errors that can be: it is positive definite whatever is added.
-  void add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved, const Matrix6d& delta, bool follows);
+  // motion's left. What this gives is the covariance of errors that can be: it is positive definite whatever is added.
+  void add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved, const Matrix6d& delta, Motion motion);
   const Matrix6d& matrix() const { return matrix_; }
 
  private:
   Matrix6d matrix_;
-  Matrix6d last_;  // a root of the last motion's covariance, as it moved the pose; zero: none
+  Matrix6d last_;    // a root of the last motion's covariance, as it moved the pose; zero: none
+  Matrix6d shared_;  // of the pose's error with the errors that motions share, the latter in units of their roots
 };
 
 class OdometryBuilder {

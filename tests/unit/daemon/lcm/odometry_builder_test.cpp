@@ -70,19 +70,26 @@ TEST(OdometryBuilder, TheCovarianceIsThatOfManyNoisyWays) {
   std::normal_distribution<double> normal;
   Matrix6d sampled = Matrix6d::Zero();
   const RigidTransform true_pose = T_body_camera * frame.estimate.T_world_camera * T_body_camera.inverse();
-  // Errors of a motion in part take back those of the one before: of a moving average, with that correlation.
+  // Errors of a motion in part take back those of the one before (a moving average, with that correlation), and share a
+  // part that fades slowly.
   const double own = 0.5 * (std::sqrt(1.0 + 2.0 * kTakenBack) + std::sqrt(1.0 - 2.0 * kTakenBack));
   const double back = kTakenBack / own;
+  const double fade = std::exp(-1.0 / kSharedMotions);
   for (int k = 0; k < kWays; ++k) {
     RigidTransform T;
     Vector6d before;
-    for (int j = 0; j < 6; ++j) before[j] = normal(random);
+    Vector6d common;
+    for (int j = 0; j < 6; ++j) {
+      before[j] = normal(random);
+      common[j] = std::sqrt(kShared) * normal(random);
+    }
     for (int i = 0; i < kFrames; ++i) {
       Vector6d now;
       Vector6d x;
       for (int j = 0; j < 6; ++j) {
         now[j] = normal(random);
-        x[j] = std::sqrt(noise(j, j)) * (own * now[j] - back * before[j]);
+        common[j] = fade * common[j] + std::sqrt(kShared * (1.0 - fade * fade)) * normal(random);
+        x[j] = std::sqrt(noise(j, j)) * (std::sqrt(1.0 - kShared) * (own * now[j] - back * before[j]) + common[j]);
       }
       before = now;
       T = T * perturbed(step(), x);
@@ -112,7 +119,8 @@ TEST(OdometryBuilder, TheCovarianceIsOneHoweverMuchSuccessiveMotionsDiffer) {
     }
     const double scale = std::pow(10.0, -4.0 * (i % 3) - 4.0);
     const RigidTransform T = step();
-    covariance.add(so3_exp({0.0, 0.1 * i, 0.0}), T.t, scale * root * root.transpose(), i % 17 != 0);
+    covariance.add(so3_exp({0.0, 0.1 * i, 0.0}), T.t, scale * root * root.transpose(),
+                   i % 17 != 0 ? PoseCovariance::Motion::next : PoseCovariance::Motion::after_gap);
     const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(covariance.matrix());
     EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0) << i;
     if (i % 100 == 99) {
