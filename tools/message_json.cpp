@@ -16,6 +16,8 @@
 #include <cliquevo/status_t.hpp>
 #include <cliquevo/update_t.hpp>
 
+#include "daemon/lcm/message_sizes.h"
+
 namespace cliquevo::tools {
 
 namespace {
@@ -222,8 +224,7 @@ json json_of(const command_t& m) { return {{"utime", m.utime}, {"command", m.com
 template <typename Message>
 std::optional<json> decoded(const void* data, std::size_t size) {
   Message message;
-  const int bytes = static_cast<int>(size);
-  if (message.decode(data, 0, bytes) != bytes) return std::nullopt;
+  if (!daemon::decode_checked(data, size, message)) return std::nullopt;
   return json_of(message);
 }
 
@@ -242,8 +243,7 @@ std::optional<json> message_json(const void* data, std::size_t size) {
   static const Type types[] = {type<pose_t>(),   type<update_t>(), type<status_t>(),   type<odometry_t>(),
                                type<health_t>(), type<movers_t>(), type<features_t>(), type<images_t>(),
                                type<points_t>(), type<command_t>()};
-  constexpr std::size_t kMostBytes = std::size_t{1} << 30U;
-  if (size < 8 || size > kMostBytes) return std::nullopt;
+  if (size < 8) return std::nullopt;
   std::uint64_t fingerprint = 0;
   for (int i = 0; i < 8; ++i) fingerprint = fingerprint << 8U | static_cast<const std::uint8_t*>(data)[i];
   for (const Type& each : types) {

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "daemon/lcm/message_sizes.h"
 #include "daemon/pipeline/lcm_config.h"
 #include "tools/commands.h"
 #include "tools/exit_code.h"
@@ -25,8 +26,7 @@ struct WatchArguments {
 template <typename Message>
 bool taken(const ReceivedMessage& received, WatchedDaemon& watched) {
   Message message;
-  const int size = static_cast<int>(received.size);
-  if (message.decode(received.data, 0, size) != size) return false;
+  if (!daemon::decode_checked(received.data, received.size, message)) return false;
   watched.take(message, monotonic_ns());
   return true;
 }

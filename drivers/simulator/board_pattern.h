@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "calibration/board.h"
 #include "core/base/result.h"
+#include "drivers/board_calibration/board.h"
 
 namespace cliquevo::drivers::sim {
 

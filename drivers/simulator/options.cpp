@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibration/board.h"
+#include "drivers/board_calibration/board.h"
 #include "drivers/simulator.h"
 #include "drivers/simulator/board_rig.h"
 #include "drivers/simulator/camera_sets.h"

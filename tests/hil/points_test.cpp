@@ -10,6 +10,7 @@
 
 #include <cliquevo/odometry_t.hpp>
 #include <cliquevo/points_t.hpp>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <lcm/lcm-cpp.hpp>
 #include <nlohmann/json.hpp>
@@ -35,6 +36,7 @@ std::string write_config(const std::string& more, const std::string& loop = "non
 }
 
 struct Collector {
+  std::string log;  // of the daemon
   std::vector<points_t> points;
   std::vector<std::int64_t> poses;  // utime
   void on_points(const lcm::ReceiveBuffer*, const std::string&, const points_t* m) { points.push_back(*m); }
@@ -49,7 +51,9 @@ Collector collected(const std::string& config) {
   Subprocess daemon({binary("cliquevod"), "--config", config});
   for (int timeout_ms = 60'000; lcm.handleTimeout(timeout_ms) > 0; timeout_ms = 3000) {
   }
-  EXPECT_EQ(daemon.wait().exit_code, 0);
+  const Finished end = daemon.wait();
+  EXPECT_EQ(end.exit_code, 0) << end.err;
+  out.log = end.err;
   return out;
 }
 
@@ -85,8 +89,11 @@ TEST(PointsMessages, ComeAtTheirRateWithTheGroundBelowTheBody) {
 TEST(PointsMessages, AsManyAsCanBeAskedForCostNoPose) {
   CLIQUEVO_NEEDS_PRIVATE_NETWORK();
   const Collector got = collected(write_config(", points_rate_hz: 1000, points_step_px: 1"));
-  EXPECT_EQ(got.poses.size(), static_cast<std::size_t>(kFrames));
-  ASSERT_GT(got.points.size(), 3U);
+  EXPECT_NE(got.log.find(fmt::format("{} poses sent", kFrames)), std::string::npos) << got.log;
+  EXPECT_NE(got.log.find(" 0 dropped"), std::string::npos) << got.log;
+  // So many bytes at once are more than a receiver's usual buffer holds: it may miss a message.
+  EXPECT_GE(got.poses.size(), static_cast<std::size_t>(0.8 * kFrames));
+  ASSERT_GE(got.points.size(), 1U);
   EXPECT_GT(got.points.back().num_points, 256 * 192 / 4);
 }
 

@@ -101,8 +101,9 @@ std::string guess_board(const Board& board, const BoardDetector& detector, Image
     const double scale = static_cast<double>(kWidth_px) / full.cols;
     cv::resize(full, small, {}, scale, scale, cv::INTER_AREA);
   }
-  const std::string size = has_markers(board.kind) ? "" : other_size(board, small);
-  return size.empty() ? other_kind(board, full, small) : size;
+  // The squares of a charuco board are a chessboard, too: markers say more.
+  const std::string kind = other_kind(board, full, small);
+  return kind.empty() && !has_markers(board.kind) ? other_size(board, small) : kind;
 }
 
 }  // namespace cliquevo::tools

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "calibration/board.h"
-#include "calibration/views.h"
 #include "core/base/result.h"
+#include "drivers/board_calibration/board.h"
+#include "drivers/board_calibration/views.h"
 #include "drivers/frame_source.h"
 
 namespace cliquevo::tools {

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "calibration/accuracy.h"
-#include "calibration/start.h"
+#include "drivers/board_calibration/accuracy.h"
+#include "drivers/board_calibration/start.h"
 
 namespace cliquevo::tools {
 

@@ -9,9 +9,9 @@
 
 #include <Eigen/Core>
 
-#include "calibration/board.h"
-#include "calibration/solve.h"
-#include "calibration/views.h"
+#include "drivers/board_calibration/board.h"
+#include "drivers/board_calibration/solve.h"
+#include "drivers/board_calibration/views.h"
 
 namespace cliquevo::tools {
 

@@ -7,7 +7,7 @@
 
 #include <opencv2/aruco.hpp>
 
-#include "calibration/board.h"
+#include "drivers/board_calibration/board.h"
 
 namespace cliquevo::tools {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibration/views.h"
+#include "drivers/board_calibration/views.h"
 
 namespace cliquevo::tools {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "calibration/board.h"
 #include "core/base/result.h"
+#include "drivers/board_calibration/board.h"
 
 namespace cliquevo::tools {
 

@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "calibration/residual_field.h"
+#include "drivers/board_calibration/residual_field.h"
 
 namespace cliquevo::tools {
 

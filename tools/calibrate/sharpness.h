@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "calibration/views.h"
 #include "core/base/image.h"
+#include "drivers/board_calibration/views.h"
 
 namespace cliquevo::tools {
 

@@ -7,8 +7,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "calibration/accuracy.h"
-#include "calibration/solve.h"
+#include "drivers/board_calibration/accuracy.h"
+#include "drivers/board_calibration/solve.h"
 #include "tools/calibrate/collect.h"
 #include "tools/calibrate/from_driving.h"
 

@@ -12,6 +12,7 @@
 
 #include "core/base/caught.h"
 #include "daemon/lcm/lcm_url.h"
+#include "daemon/lcm/message_sizes.h"
 #include "daemon/pipeline/config.h"
 #include "tools/exit_code.h"
 #include "tools/help_format.h"
@@ -35,15 +36,23 @@ struct Arguments {
 class Handlers {
  public:
   explicit Handlers(ros2::Bridge& bridge) : bridge_(bridge) {}
-  void on_odometry(const lcm::ReceiveBuffer*, const std::string&, const odometry_t* m) {
-    bridge_.publish(*m);
-    ++count_;
+  void on_odometry(const lcm::ReceiveBuffer* buffer, const std::string&) {
+    if (publish<odometry_t>(*buffer)) ++count_;
   }
-  void on_images(const lcm::ReceiveBuffer*, const std::string&, const images_t* m) { bridge_.publish(*m); }
-  void on_points(const lcm::ReceiveBuffer*, const std::string&, const points_t* m) { bridge_.publish(*m); }
+  void on_images(const lcm::ReceiveBuffer* buffer, const std::string&) { publish<images_t>(*buffer); }
+  void on_points(const lcm::ReceiveBuffer* buffer, const std::string&) { publish<points_t>(*buffer); }
   long long count() const { return count_; }
 
  private:
+  // A message of another type or a damaged one is left out.
+  template <typename Message>
+  bool publish(const lcm::ReceiveBuffer& buffer) {
+    Message message;
+    if (!daemon::decode_checked(buffer.data, buffer.data_size, message)) return false;
+    bridge_.publish(message);
+    return true;
+  }
+
   ros2::Bridge& bridge_;
   long long count_ = 0;
 };

@@ -24,9 +24,9 @@
 #include "core/base/caught.h"
 #include "core/base/time.h"
 #include "daemon/lcm/lcm_url.h"
+#include "daemon/lcm/message_sizes.h"
 #include "daemon/lcm/status_report.h"
 #include "tools/view/feed.h"
-#include "tools/view/message_sizes.h"
 #include "tools/view/ros2_writer.h"
 
 namespace cliquevo::view {
@@ -191,8 +191,7 @@ class LcmFeed final : public Feed {
           // A message of another type or a damaged one is nobody's fault here.
           static_cast<void>(guarded("view", [&]() -> Result<void> {
             Message message;
-            if (!fits({static_cast<const std::uint8_t*>(buffer->data), buffer->data_size}, message)) return {};
-            if (message.decode(buffer->data, 0, static_cast<int>(buffer->data_size)) < 0) return {};
+            if (!daemon::decode_checked(buffer->data, buffer->data_size, message)) return {};
             last_message_ns_ = monotonic_ns();
             handler(message);
             return {};

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/accuracy.h"
+#include "drivers/board_calibration/accuracy.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "calibration/residual_field.h"
+#include "drivers/board_calibration/residual_field.h"
 #include "tests/unit/board_calibration/made_rig.h"
 
 namespace cliquevo::calibration {

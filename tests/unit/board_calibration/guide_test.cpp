@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "calibration/accuracy.h"
+#include "drivers/board_calibration/accuracy.h"
 #include "drivers/simulator/board_course.h"
 #include "tools/calibrate/sharpness.h"
 

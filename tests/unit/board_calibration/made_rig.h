@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "calibration/rig.h"
+#include "drivers/board_calibration/rig.h"
 
 namespace cliquevo::calibration {
 

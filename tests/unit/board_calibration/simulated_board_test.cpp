@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibration/solve.h"
+#include "drivers/board_calibration/solve.h"
 #include "drivers/simulator.h"
 #include "drivers/simulator/board_rig.h"
 #include "drivers/simulator/board_source.h"

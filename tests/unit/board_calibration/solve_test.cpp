@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Calibrations of random rigs against exact truth.
-#include "calibration/solve.h"
+#include "drivers/board_calibration/solve.h"
 
 #include <cmath>
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include "calibration/held_out.h"
+#include "drivers/board_calibration/held_out.h"
 #include "tests/unit/board_calibration/made_rig.h"
 
 namespace cliquevo::calibration {

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/view/message_sizes.h"
+#include "daemon/lcm/message_sizes.h"
 
 #include <vector>
 
 #include <cliquevo/pose_t.hpp>
 #include <gtest/gtest.h>
 
-namespace cliquevo::view {
+namespace cliquevo::daemon {
 namespace {
 
 template <typename Message>
@@ -91,13 +91,32 @@ TEST(MessageSizes, EveryTypeWithCountsIsWalkedToItsEnd) {
   points.grey = {1, 2};
   expect_exact(points, 1);
 
+  command_t command{};
+  command.argument = "name";
+  expect_exact(command, 1);
+
   status_t status{};
   status.n_checks = 3;
   status.check_ratio = {1.0, 2.0, 3.0};
   expect_exact(status, 1);
 }
 
+TEST(MessageSizes, AHugeCountIsNoMessageAndTakesNoMemory) {
+  images_t images{};
+  images.n_images = 1;
+  images.image_types = {images_t::LEFT};
+  images.images = {image(12, 0)};
+  std::vector<std::uint8_t> bytes = encoded(images);
+  images_t out;
+  EXPECT_TRUE(decode_checked(bytes.data(), bytes.size(), out));
+  const std::size_t count = 8 + 8;  // behind the fingerprint and the time
+  bytes[count] = 0x7F;
+  EXPECT_FALSE(decode_checked(bytes.data(), bytes.size(), out));
+  bytes[count] = 0xFF;
+  EXPECT_FALSE(decode_checked(bytes.data(), bytes.size(), out)) << "a negative one";
+}
+
 TEST(MessageSizes, WhatHasNoCountsAlwaysFits) { EXPECT_TRUE(fits({}, pose_t{})); }
 
 }  // namespace
-}  // namespace cliquevo::view
+}  // namespace cliquevo::daemon

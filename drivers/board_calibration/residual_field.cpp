@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/residual_field.h"
+#include "drivers/board_calibration/residual_field.h"
 
 #include <algorithm>
 #include <cmath>

@@ -2,7 +2,7 @@
 // How well a calibration holds on views that it was not made from.
 #pragma once
 
-#include "calibration/solve.h"
+#include "drivers/board_calibration/solve.h"
 
 namespace cliquevo::calibration {
 

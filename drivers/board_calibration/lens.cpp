@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/lens.h"
+#include "drivers/board_calibration/lens.h"
 
 #include <cmath>
 #include <unsupported/Eigen/AutoDiff>

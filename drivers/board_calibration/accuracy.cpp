@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/accuracy.h"
+#include "drivers/board_calibration/accuracy.h"
 
 #include <algorithm>
 #include <cmath>

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <cliquevo/command_t.hpp>
 #include <cliquevo/features_t.hpp>
 #include <cliquevo/health_t.hpp>
 #include <cliquevo/images_t.hpp>
@@ -13,7 +14,9 @@
 #include <cliquevo/points_t.hpp>
 #include <cliquevo/status_t.hpp>
 
-namespace cliquevo::view {
+namespace cliquevo::daemon {
+
+inline constexpr std::size_t kMostMessageBytes = std::size_t{1} << 30U;
 
 struct MessageBytes {
   const std::uint8_t* data = nullptr;
@@ -25,6 +28,8 @@ template <typename Message>
 bool fits(const MessageBytes&, const Message&) {
   return true;
 }
+template <>
+bool fits(const MessageBytes& bytes, const command_t&);
 template <>
 bool fits(const MessageBytes& bytes, const features_t&);
 template <>
@@ -38,4 +43,12 @@ bool fits(const MessageBytes& bytes, const points_t&);
 template <>
 bool fits(const MessageBytes& bytes, const status_t&);
 
-}  // namespace cliquevo::view
+// Decodes what may come from anywhere; false where it is no whole message of that type.
+template <typename Message>
+bool decode_checked(const void* data, std::size_t size, Message& out) {
+  if (size > kMostMessageBytes || !fits({static_cast<const std::uint8_t*>(data), size}, out)) return false;
+  const int bytes = static_cast<int>(size);
+  return out.decode(data, 0, bytes) == bytes;
+}
+
+}  // namespace cliquevo::daemon

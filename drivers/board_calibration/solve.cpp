@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/solve.h"
+#include "drivers/board_calibration/solve.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "calibration/held_out.h"
-#include "calibration/start.h"
+#include "drivers/board_calibration/held_out.h"
+#include "drivers/board_calibration/start.h"
 
 namespace cliquevo::calibration {
 

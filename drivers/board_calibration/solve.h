@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "calibration/adjustment.h"
 #include "core/base/result.h"
+#include "drivers/board_calibration/adjustment.h"
 
 namespace cliquevo::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/board.h"
+#include "drivers/board_calibration/board.h"
 
 #include <array>
 #include <charconv>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/held_out.h"
+#include "drivers/board_calibration/held_out.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/rig.h"
+#include "drivers/board_calibration/rig.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "tools/view/message_sizes.h"
+#include "daemon/lcm/message_sizes.h"
 
-namespace cliquevo::view {
+namespace cliquevo::daemon {
 
 namespace {
 
@@ -48,6 +48,13 @@ class Walk {
 };
 
 }  // namespace
+
+template <>
+bool fits(const MessageBytes& bytes, const command_t&) {
+  Walk walk(bytes);
+  walk.skip(8 + 1).text();
+  return walk.at_end();
+}
 
 template <>
 bool fits(const MessageBytes& bytes, const features_t&) {
@@ -116,4 +123,4 @@ bool fits(const MessageBytes& bytes, const status_t&) {
   return walk.at_end();
 }
 
-}  // namespace cliquevo::view
+}  // namespace cliquevo::daemon

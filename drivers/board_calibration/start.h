@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "calibration/adjustment.h"
+#include "drivers/board_calibration/adjustment.h"
 
 namespace cliquevo::calibration {
 

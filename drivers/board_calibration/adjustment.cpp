@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/adjustment.h"
+#include "drivers/board_calibration/adjustment.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,10 +9,10 @@
 
 #include <Eigen/Core>
 
-#include "calibration/board.h"
-#include "calibration/lens.h"
-#include "calibration/views.h"
 #include "core/base/rigid_transform.h"
+#include "drivers/board_calibration/board.h"
+#include "drivers/board_calibration/lens.h"
+#include "drivers/board_calibration/views.h"
 
 namespace cliquevo::calibration {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "calibration/solve.h"
+#include "drivers/board_calibration/solve.h"
 
 namespace cliquevo::calibration {
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "calibration/start.h"
+#include "drivers/board_calibration/start.h"
 
 #include <algorithm>
 #include <array>

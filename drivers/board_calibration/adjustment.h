@@ -7,7 +7,7 @@
 
 #include <Eigen/Core>
 
-#include "calibration/rig.h"
+#include "drivers/board_calibration/rig.h"
 
 namespace cliquevo::calibration {
 

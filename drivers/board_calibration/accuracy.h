@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "calibration/solve.h"
+#include "drivers/board_calibration/solve.h"
 
 namespace cliquevo::calibration {
 
