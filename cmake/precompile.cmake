@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 # Precompiled headers: the first build on a machine takes much less, and no later one, since a compiler cache keeps nothing
-# that uses them. tools/demo builds so.
+# that uses them. tools/demo and tools/test build so, in build/quick.
 option(CLIQUEVO_PRECOMPILE "Precompile the largest headers of the largest libraries" OFF)
 if(NOT CLIQUEVO_PRECOMPILE)
   return()
@@ -13,7 +13,9 @@ function(cliquevo_precompile target)
   endif()
   target_precompile_headers(${target} PRIVATE ${ARGN})
   get_target_property(sources ${target} SOURCES)
+  get_target_property(folder ${target} SOURCE_DIR)
   foreach(source ${sources})
+    cmake_path(ABSOLUTE_PATH source BASE_DIRECTORY ${folder})
     get_source_file_property(options ${source} TARGET_DIRECTORY ${target} COMPILE_OPTIONS)
     if(options)
       set_source_files_properties(${source} TARGET_DIRECTORY ${target} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)
