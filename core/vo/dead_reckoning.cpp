@@ -9,24 +9,40 @@ namespace cliquevo::vo {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kSmooth_s = 0.2;  // over which velocity is averaged: noise and gait go, turns stay
-// In which an unconfirmed velocity falls to 1/e: vehicles keep their speed for longer than their turns.
+// Over which velocity is averaged; whichever predicted stretches of kStretch_s best of late is gone on with.
+constexpr std::array<double, 4> kSmooth_s{0.0, 0.1, 0.2, 0.4};
+constexpr double kStretch_s = 0.3;
+constexpr double kMemory_s = 3.0;
+constexpr std::size_t kUnjudged = 1;  // which one until the first stretch is over
+// In which an unconfirmed velocity falls to 1/e. A speed is kept for some seconds and is no longer known after many; a
+// turn may end at any moment.
 constexpr double kFadeSpeed_s = 20.0;
-constexpr double kFadeTurn_s = 3.0;
+constexpr double kFadeTurn_s = 1.5;
 constexpr double kSpeed_m_s = 5.0;    // of a vehicle of which nothing is known yet
 constexpr double kTurn_rad_s = 0.25;  // what a vehicle that drove straight may do next
 constexpr double kLeastMoved_m = 0.05;
 constexpr double kLeastTurned_rad = 0.01;
 
-// For how long, in all, a velocity counts in a gap when it fades with a time constant.
-double faded_s(double elapsed_s, double fade_s) { return fade_s * (1.0 - std::exp(-elapsed_s / fade_s)); }
+double speed_left(double since_s) { return std::exp(-(since_s / kFadeSpeed_s) * (since_s / kFadeSpeed_s)); }
+double turn_left(double since_s) { return std::exp(-since_s / kFadeTurn_s); }
+
+// For how long, in all, they count in a gap: the integrals.
+double faded_speed_s(double gap_s) { return 0.5 * std::sqrt(kPi) * kFadeSpeed_s * std::erf(gap_s / kFadeSpeed_s); }
+double faded_turn_s(double gap_s) { return kFadeTurn_s * (1.0 - std::exp(-gap_s / kFadeTurn_s)); }
+
+template <std::size_t N>
+std::size_t least(const std::array<double, N>& values) {
+  return static_cast<std::size_t>(std::min_element(values.begin(), values.end()) - values.begin());
+}
 
 }  // namespace
 
 void DeadReckoning::reset() {
   last_motion_ = {};
   interval_ns_ = 0;
-  twist_.setZero();
+  moved_.setZero();
+  moved_s_ = 0.0;
+  judged_ = false;
 }
 
 void DeadReckoning::learn(const RigidTransform& motion, TimestampNs interval_ns) {
@@ -34,10 +50,43 @@ void DeadReckoning::learn(const RigidTransform& motion, TimestampNs interval_ns)
   const double seconds = static_cast<double>(interval_ns) * 1e-9;
   Vector6d twist;
   twist << motion.t / seconds, so3_log(motion.R) / seconds;
-  const double share = interval_ns_ > 0 ? 1.0 - std::exp(-seconds / kSmooth_s) : 1.0;
-  twist_ += share * (twist - twist_);
+  const bool first = interval_ns_ == 0;
+  if (first) velocities_.fill(twist);
+  for (std::size_t i = 0; i < kVelocities; ++i) {
+    const double share = kSmooth_s[i] > 0.0 ? 1.0 - std::exp(-seconds / kSmooth_s[i]) : 1.0;
+    velocities_[i] += share * (twist - velocities_[i]);
+  }
   last_motion_ = motion;
   interval_ns_ = interval_ns;
+  if (!first) {
+    moved_ += seconds * twist;
+    moved_s_ += seconds;
+    if (moved_s_ < kStretch_s) return;
+    judge(moved_ / moved_s_, moved_s_);
+  }
+  at_begin_ = velocities_;
+  moved_.setZero();
+  moved_s_ = 0.0;
+}
+
+void DeadReckoning::judge(const Vector6d& mean_twist, double seconds) {
+  const double share = judged_ ? 1.0 - std::exp(-seconds / kMemory_s) : 1.0;
+  for (std::size_t i = 0; i < kTurns; ++i) {
+    const Vector6d off = i < kVelocities ? Vector6d(mean_twist - at_begin_[i]) : mean_twist;
+    turn_error_[i] += share * (off.tail<3>().squaredNorm() - turn_error_[i]);
+    if (i < kVelocities) speed_error_[i] += share * (off.head<3>().squaredNorm() - speed_error_[i]);
+  }
+  judged_ = true;
+}
+
+Vector6d DeadReckoning::twist() const {
+  Vector6d out = Vector6d::Zero();
+  if (!knows_speed()) return out;
+  if (!judged_) return velocities_[kUnjudged];
+  out.head<3>() = velocities_[least(speed_error_)].head<3>();
+  const std::size_t turn = least(turn_error_);
+  if (turn < kVelocities) out.tail<3>() = velocities_[turn].tail<3>();
+  return out;
 }
 
 RigidTransform DeadReckoning::prediction(TimestampNs elapsed_ns) const {
@@ -52,16 +101,17 @@ RigidTransform DeadReckoning::prediction(TimestampNs elapsed_ns) const {
 RigidTransform DeadReckoning::guess(TimestampNs elapsed_ns, TimestampNs since_valid_ns, Vector6d& variance) const {
   const double elapsed_s = static_cast<double>(elapsed_ns) * 1e-9;
   RigidTransform step;
+  const Vector6d now = twist();
   if (params_.after_failure == AfterFailure::constant_velocity && interval_ns_ > 0) {
     const double since_valid_s = static_cast<double>(since_valid_ns) * 1e-9;
-    step.t = elapsed_s * std::exp(-since_valid_s / kFadeSpeed_s) * twist_.head<3>();
-    step.R = so3_exp(elapsed_s * std::exp(-since_valid_s / kFadeTurn_s) * twist_.tail<3>());
+    step.t = elapsed_s * speed_left(since_valid_s) * now.head<3>();
+    step.R = so3_exp(elapsed_s * turn_left(since_valid_s) * now.tail<3>());
   }
   // As uncertain as if the vehicle had stopped, or gone twice as fast, or begun to turn.
-  const double unknown = interval_ns_ > 0 ? elapsed_s * twist_.head<3>().norm() : kSpeed_m_s * elapsed_s;
+  const double unknown = interval_ns_ > 0 ? elapsed_s * now.head<3>().norm() : kSpeed_m_s * elapsed_s;
   const double moved = std::max(kLeastMoved_m, unknown);
   const double turned =
-      std::max({kLeastTurned_rad, elapsed_s * twist_.tail<3>().norm(), std::min(kPi, kTurn_rad_s * elapsed_s)});
+      std::max({kLeastTurned_rad, elapsed_s * now.tail<3>().norm(), std::min(kPi, kTurn_rad_s * elapsed_s)});
   variance << Eigen::Vector3d::Constant(moved * moved), Eigen::Vector3d::Constant(turned * turned);
   return step;
 }
@@ -73,8 +123,8 @@ RigidTransform DeadReckoning::across(const RigidTransform& guessed, TimestampNs 
   const double gap_s = static_cast<double>(gap_ns) * 1e-9;
   const double after_s = static_cast<double>(after_ns) * 1e-9;
   RigidTransform motion;
-  motion.t = faded_s(gap_s, kFadeSpeed_s) / after_s * after.t;
-  motion.R = so3_exp(faded_s(gap_s, kFadeTurn_s) / after_s * so3_log(after.R));
+  motion.t = faded_speed_s(gap_s) / after_s * after.t;
+  motion.R = so3_exp(faded_turn_s(gap_s) / after_s * so3_log(after.R));
   return motion;
 }
 

@@ -129,6 +129,35 @@ TEST(DeadReckoning, SmoothesWhatItLearned) {
   EXPECT_GT(variance.minCoeff(), 0.0);
 }
 
+// Speeds up all the time: what was a while ago is always too slow.
+TEST(DeadReckoning, GoesOnAsTheLastFrameWhereThatPredictsBest) {
+  DeadReckoning reckoning{VoParams{}};
+  RigidTransform step;
+  for (int i = 0; i < 90; ++i) {
+    step.t = {0.0, 0.0, 0.002 * i};
+    step.R = so3_exp({0.0, 0.0005 * i, 0.0});
+    reckoning.learn(step, 33'333'333);
+  }
+  Vector6d variance;
+  const RigidTransform guess = reckoning.guess(33'333'333, 33'333'333, variance);
+  EXPECT_NEAR(guess.t.z(), 0.178, 0.001);
+  EXPECT_NEAR(guess.angle(), 0.0445 * std::exp(-0.0333 / 1.5), 0.0002);
+}
+
+TEST(DeadReckoning, TurnsNoMoreWhereTurningIsNoiseAlone) {
+  DeadReckoning reckoning{VoParams{}};
+  RigidTransform step;
+  step.t.z() = 0.1;
+  for (int i = 0; i < 90; ++i) {
+    step.R = so3_exp({0.0, i % 4 < 2 ? 0.01 : -0.01, 0.0});
+    reckoning.learn(step, 100'000'000);
+  }
+  Vector6d variance;
+  const RigidTransform guess = reckoning.guess(100'000'000, 100'000'000, variance);
+  EXPECT_EQ(guess.angle(), 0.0);
+  EXPECT_NEAR(guess.t.z(), 0.1, 1e-4);
+}
+
 TEST(DeadReckoning, FadesWhileNothingConfirmsIt) {
   DeadReckoning reckoning{VoParams{}};
   RigidTransform step;
@@ -138,8 +167,8 @@ TEST(DeadReckoning, FadesWhileNothingConfirmsIt) {
   Vector6d variance;
   const RigidTransform soon = reckoning.guess(33'333'333, 33'333'333, variance);
   const RigidTransform late = reckoning.guess(33'333'333, 9'000'000'000, variance);
-  EXPECT_NEAR(late.t.z() / soon.t.z(), std::exp(-(9.0 - 0.033) / 20.0), 0.01);
-  EXPECT_NEAR(late.angle() / soon.angle(), std::exp(-(9.0 - 0.033) / 3.0), 0.01)
+  EXPECT_NEAR(late.t.z() / soon.t.z(), std::exp(-(9.0 * 9.0) / 400.0), 0.01);
+  EXPECT_NEAR(late.angle() / soon.angle(), std::exp(-(9.0 - 0.033) / 1.5), 0.001)
       << "turns end sooner than driving does";
 }
 
