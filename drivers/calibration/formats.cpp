@@ -11,6 +11,7 @@ std::span<const CalibrationFormat> calibration_formats() {
       {"Middlebury", "cam0, cam1, doffs, baseline", is_middlebury, read_middlebury},
       {"FoundationStereo", "K of 9 numbers, baseline", is_foundation_stereo, read_foundation_stereo},
       {"RobotCar", "fx fy cx cy, 4x4 matrix", is_robotcar, read_robotcar},
+      {"RealSense", "Intrinsic of \"Infrared 1\", Extrinsic from", is_realsense, read_realsense},
       {"ROS ost", "camera matrix, distortion, rectification, projection", is_ost, read_ost},
       {"ZED", "LEFT_CAM_HD, STEREO", is_zed, read_zed},
       {"VINS-Fusion", "body_T_cam0, body_T_cam1, cam0_calib", is_vins, read_vins},

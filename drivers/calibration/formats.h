@@ -24,6 +24,8 @@ CLIQUEVO_CALIBRATION_FORMAT(four_seasons);
 CLIQUEVO_CALIBRATION_FORMAT(foundation_stereo);
 // A file per camera: fx fy cx cy, then a 4x4 matrix from the image's axes to the rig's; of undistorted images.
 CLIQUEVO_CALIBRATION_FORMAT(robotcar);
+// librealsense's rs-enumerate-devices -c: blocks of intrinsics by stream and size, poses between streams.
+CLIQUEVO_CALIBRATION_FORMAT(realsense);
 // Keys.
 CLIQUEVO_CALIBRATION_FORMAT(kalibr);   // cam0, cam1: T_cn_cnm1 takes points from cam0 to cam1; T_cam_imu, T_imu_cam
 CLIQUEVO_CALIBRATION_FORMAT(euroc);    // sensor.yaml of each camera: T_BS takes points of the camera to the body

@@ -225,6 +225,74 @@ TEST(bare_numbers, foundation_stereo) {
   EXPECT_DOUBLE_EQ(c->prescribed->model.baseline_m, 0.063);
 }
 
+// As `rs-enumerate-devices -c` prints it: two sizes of each stream, and other streams between them.
+std::string realsense_text(const std::string& stream, const std::string& lens, const std::string& rotation) {
+  const auto block = [&](const std::string& name, int width, int height, double f) {
+    return fmt::format(
+        " Intrinsic of \"{}\" / {}x{} / {{Y8}}\n  Width:      \t{}\n  Height:     \t{}\n  PPX:        \t{}\n"
+        "  PPY:        \t{}\n  Fx:         \t{}\n  Fy:         \t{}\n  {}\n  FOV (deg):  \t79.58 x 63.98\n\n",
+        name, width, height, width, height, 0.5 * width - 0.25, 0.5 * height + 1.5, f, f, lens);
+  };
+  std::string text =
+      "Device info: \n    Name                          : \tIntel RealSense D435I\n\nIntrinsic Parameters:\n\n";
+  for (const std::string& name : {std::string("Depth"), stream + " 1", stream + " 2", std::string("Color")}) {
+    text += block(name, 848, 480, 424.5) + block(name, 640, 480, 384.25);
+  }
+  text += "Extrinsic Parameters:\n";
+  for (const char* to : {" 1", " 2"}) {
+    text += fmt::format(
+        "Extrinsic from \"{} 1\"\t  To\t  \"{}{}\" :\n Rotation Matrix:\n{}\n Translation Vector: {}  0.0001  0  \n\n",
+        stream, stream, to, rotation, to[1] == '1' ? 0.0 : -0.0501);
+  }
+  return text;
+}
+
+constexpr char kUnturned[] =
+    "   1                0                0            \n   0                1                0\n   0 0 1\n";
+
+TEST(realsense, infrared_streams_are_chosen_by_the_size_of_the_images) {
+  const std::string path = write_file(
+      test::scratch_dir() + "/camera.txt",
+      realsense_text("Infrared", "Distortion: \tBrown Conrady\n  Coeffs:     \t0  \t0  \t0  \t0  \t0", kUnturned));
+  for (const auto& [width, f] : {std::pair{848, 424.5}, {640, 384.25}}) {
+    const auto c = read_calibration(path, width, 480);
+    ASSERT_TRUE(c.ok()) << c.error().line();
+    EXPECT_DOUBLE_EQ(c->left.fx_px, f);
+    EXPECT_DOUBLE_EQ(c->left.cx_px, 0.5 * width - 0.25);
+    EXPECT_EQ(c->right.distortion, Distortion::none);
+    EXPECT_DOUBLE_EQ(c->T_right_left.t.x(), -0.0501);
+  }
+  const auto other = read_calibration(path, 500, 500);
+  ASSERT_FALSE(other.ok());
+  test::expect_clear(other.error(), {"\"Infrared 1\"", "500x500", "848x480, 640x480"});
+}
+
+TEST(realsense, fisheyes_keep_their_lens_and_their_turn) {
+  const std::string path = write_file(
+      test::scratch_dir() + "/t265.txt",
+      realsense_text("Fisheye",
+                     "Distortion: \tKannala Brandt4\n  Coeffs:     \t-0.0052  \t0.0402  \t-0.0371  \t0.0062  \t0",
+                     "   0.999995         0.00241        -0.00190\n  -0.00241          0.999997         0.0000\n   "
+                     "0.00190          0.0000           0.999998\n"));
+  const auto c = read_calibration(path, 848, 480);
+  ASSERT_TRUE(c.ok()) << c.error().line();
+  EXPECT_EQ(c->left.distortion, Distortion::equidistant);
+  EXPECT_DOUBLE_EQ(c->left.coefficients[1], 0.0402);
+  EXPECT_NEAR(c->T_right_left.R(0, 1), 0.00241, 1e-6);
+}
+
+TEST(realsense, a_text_that_is_cut_off_is_named) {
+  const std::string whole =
+      realsense_text("Infrared", "Distortion: \tBrown Conrady\n  Coeffs:     \t0  \t0  \t0  \t0  \t0", kUnturned);
+  const std::string path = test::scratch_dir() + "/torn.txt";
+  for (const char* end : {"Extrinsic Parameters", "Intrinsic of \"Infrared 2\"", " Translation Vector: -0.0501"}) {
+    write_file(path, whole.substr(0, whole.find(end)));
+    const auto c = read_calibration(path, 640, 480);
+    ASSERT_FALSE(c.ok()) << end;
+    test::expect_clear(c.error(), {"torn.txt", "rs-enumerate-devices"});
+  }
+}
+
 TEST(bare_numbers, robotcar_camera_models) {
   const std::string dir = test::scratch_dir();
   const auto model = [](double y) {
