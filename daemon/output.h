@@ -26,7 +26,7 @@ struct Output {
   Publisher publisher;
   ImageTap tap;
   FeatureTap feature_tap;
-  std::unique_ptr<PointsThread> points;  // none: nobody asked for them
+  std::unique_ptr<PointsThread> points;  // none: not configured
   StereoModel model;
   std::optional<TrajectorySink> trajectory;
   SentCounts sent;

@@ -29,7 +29,7 @@ constexpr std::int64_t kSecondNs = 1'000'000'000;
 constexpr std::int64_t kFirstPauseNs = 200'000'000;
 constexpr std::int64_t kLastPauseNs = 2 * kSecondNs;
 constexpr std::int64_t kMostTryNs = 120 * kSecondNs;  // a try that takes longer hangs: the watchdog is not fed
-constexpr std::int64_t kMostStopNs = 1 * kSecondNs;   // for a try that is under way when asked to stop
+constexpr std::int64_t kMostStopNs = 1 * kSecondNs;   // for a try that is under way when the daemon is to stop
 
 // A try on a thread of its own.
 struct Try {
@@ -101,7 +101,7 @@ void StartUp::report(const Error& error) {
   const std::string state = error.what + ": " + error.where;
   waiting_for_ = fmt::format("waiting for a camera: {}", error.line());
   std::replace(waiting_for_.begin(), waiting_for_.end(), '\n', ' ');
-  if (state != std::exchange(told_, state)) spdlog::warn(waiting_for_);
+  if (state != std::exchange(logged_, state)) spdlog::warn(waiting_for_);
   service_.status(waiting_for_);
   service_.ready();  // for systemd: it waits for something and says for what
 }

@@ -57,7 +57,7 @@ class StartUp {
   std::int64_t start_ns_;
   std::int64_t next_health_ns_ = 0;
   std::string waiting_for_;  // empty = it does not wait
-  std::string told_;         // the last state that was logged
+  std::string logged_;       // the last state that was logged
   bool stop_asked_ = false;
   bool reload_asked_ = false;
 };

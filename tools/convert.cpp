@@ -191,7 +191,7 @@ int run(const ConvertArguments& arguments) {
   SkippedPairs skipped;
   const std::int64_t most_skipped = std::max<std::int64_t>(1000, info.frame_count);
   while (!error) {
-    if (StopOnSignal::asked()) {
+    if (StopOnSignal::received()) {
       error = Error{"interrupted", fmt::format("after {} pairs", count), "convert again for all of them"};
       break;
     }

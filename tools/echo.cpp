@@ -62,7 +62,7 @@ int run(const EchoArguments& arguments) {
   };
   auto listener = LcmListener::open(arguments.url, arguments.channel, print);
   if (!listener) return report(listener.error());
-  while (!StopOnSignal::asked() && (arguments.count == 0 || printed < arguments.count)) {
+  while (!StopOnSignal::received() && (arguments.count == 0 || printed < arguments.count)) {
     if (auto ok = listener->wait(100); !ok) return report(ok.error());
     if (std::ferror(stdout) != 0) break;  // nobody reads any more
   }

@@ -51,7 +51,7 @@ int run(HilArguments arguments) {
   const StopOnSignal signals;
   const double outage_every_s = arguments.options.outage_every_s;
   std::int64_t since_ns = monotonic_ns();
-  while (!StopOnSignal::asked()) {
+  while (!StopOnSignal::received()) {
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     if (outage_every_s <= 0.0 || static_cast<double>(monotonic_ns() - since_ns) * 1e-9 < outage_every_s) continue;
     fmt::print("both cameras are gone\n");

@@ -120,7 +120,7 @@ int run(const MavlinkArguments& arguments) {
   fmt::print("{} of {} to {} as {}.{}\n", arguments.channel, arguments.lcm_url, arguments.to, arguments.system,
              arguments.component);
   std::fflush(stdout);
-  while (!StopOnSignal::asked() && !bridge.failure()) {
+  while (!StopOnSignal::received() && !bridge.failure()) {
     pollfd ready[2] = {{lcm.getFileno(), POLLIN, 0},
                        {bridge.descriptor(), static_cast<short>(bridge.has_pending() ? POLLIN | POLLOUT : POLLIN), 0}};
     if (::poll(ready, 2, 100) < 0 && errno != EINTR) return report({"cannot wait for messages", "poll", "try again"});

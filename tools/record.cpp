@@ -83,7 +83,7 @@ Result<daemon::Config> config_of(const RecordArguments& arguments) { return daem
 
 Result<std::unique_ptr<drivers::FrameSource>> open(const RecordArguments& arguments, const daemon::Config& config) {
   if (!arguments.source.text.empty()) return open_source(arguments.source, config.source);
-  return daemon::open_source_within(config.source, arguments.wait_s, StopOnSignal::asked);
+  return daemon::open_source_within(config.source, arguments.wait_s, StopOnSignal::received);
 }
 
 int run(const RecordArguments& arguments) {
@@ -110,7 +110,7 @@ int run(const RecordArguments& arguments) {
   std::optional<TimestampNs> first_ns;
   SkippedPairs skipped;
   const std::int64_t most_skipped = std::max<std::int64_t>(1000, info.frame_count);
-  while (!StopOnSignal::asked() && !error) {
+  while (!StopOnSignal::received() && !error) {
     const auto more = (*source)->next(pair);
     if (!more) {
       if (info.live) {

@@ -60,7 +60,7 @@ ReplayEnd run_replay(drivers::FrameSource& source, daemon::FramePipeline& pipeli
   const std::int64_t begin_ns = monotonic_ns();
 
   while (!error) {
-    if (StopOnSignal::asked()) {
+    if (StopOnSignal::received()) {
       error = Error{"interrupted", fmt::format("after {} frames", log.frames().size()),
                     "what was written holds the frames so far; run again for all of them"};
       break;

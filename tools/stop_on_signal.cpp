@@ -28,11 +28,11 @@ StopOnSignal::~StopOnSignal() {
   sigaction(SIGTERM, &old_terminate_, nullptr);
 }
 
-bool StopOnSignal::asked() { return stop_signal != 0; }
+bool StopOnSignal::received() { return stop_signal != 0; }
 
 void StopOnSignal::sleep_until(std::int64_t due_mono_ns) {
   constexpr std::int64_t kStepNs = 50'000'000;  // a signal that comes just before the sleep begins does not end it
-  while (!asked()) {
+  while (!received()) {
     const std::int64_t left_ns = std::min(due_mono_ns - monotonic_ns(), kStepNs);
     if (left_ns <= 0) return;
     const timespec pause = {0, static_cast<long>(left_ns)};

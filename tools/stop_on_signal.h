@@ -14,7 +14,7 @@ class StopOnSignal {
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
-  static bool asked();
+  static bool received();
   // Sleeps until monotonic_ns() is so far, or it is asked to stop.
   static void sleep_until(std::int64_t due_mono_ns);
 

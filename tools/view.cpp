@@ -81,7 +81,7 @@ int run(ViewArguments& arguments) {
     fmt::print("{}\n", address);
     std::fflush(stdout);
   };
-  const auto done = run_view(std::move(*feed), arguments.options, announce, [] { return StopOnSignal::asked(); });
+  const auto done = run_view(std::move(*feed), arguments.options, announce, [] { return StopOnSignal::received(); });
   return done ? kDone : report(done.error());
 }
 

@@ -46,7 +46,7 @@ int run(const WatchArguments& arguments) {
   const bool terminal = ::isatty(STDOUT_FILENO) == 1;
   const TimestampNs start_ns = monotonic_ns();
   TimestampNs next_ns = start_ns + (terminal ? 0 : kLineNs);
-  while (!StopOnSignal::asked()) {
+  while (!StopOnSignal::received()) {
     if (auto ok = listener->wait(50); !ok) return report(ok.error());
     const TimestampNs now_ns = monotonic_ns();
     if (now_ns >= next_ns) {

@@ -15,8 +15,8 @@ namespace cliquevo {
 enum class Isa { reference, sse4, avx2, avx512, neon, count };
 
 // The best this machine has, or what the environment variable CLIQUEVO_ISA (reference, sse4, avx2, avx512, neon)
-// forces. A name that is unknown, or that of a set that the machine lacks, is told on stderr and gives the reference.
-// Decided once a process.
+// forces. A name that is unknown, or that of a set that the machine lacks, is reported on stderr and gives the
+// reference. Decided once a process.
 Isa active_isa();
 // Whether the machine runs it (reference: always).
 bool isa_available(Isa isa);

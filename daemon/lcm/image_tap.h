@@ -17,7 +17,7 @@ struct TappedImages {
   TimestampNs stamp_ns = 0;
   Image<std::uint8_t> left;        // rectified
   Image<std::uint16_t> disparity;  // px * 16; 0 = unknown, or not above 0
-  Image<std::uint8_t> right;       // rectified; empty where it was not asked for
+  Image<std::uint8_t> right;       // rectified; empty where nobody wants it
   // Of the left image, zlib's format, a byte a pixel, 0 = no features there; empty = none are left out. The same in
   // every picture.
   std::vector<std::uint8_t> zipped_mask;
@@ -40,7 +40,7 @@ class ImageTap {
   void set_rate(double rate_hz);
 
   // Odometry thread: copies when a picture is due and the last one has been taken. No allocation, no lock.
-  // All of the size that was told; `right` may be empty where it is not asked for.
+  // All of the agreed size; `right` may be empty where nobody wants it.
   void offer(TimestampNs stamp_ns, ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
              ImageView<const std::int16_t> disparity);
 

@@ -23,7 +23,7 @@ struct MessageBytes {
   std::size_t size = 0;
 };
 
-// The message that is handed over tells the type alone. Types without counts always fit.
+// The message that is handed over gives the type alone. Types without counts always fit.
 template <typename Message>
 bool fits(const MessageBytes&, const Message&) {
   return true;

@@ -111,7 +111,7 @@ std::string to_grey(const RosImage& image, GreyPicture& picture) {
     return "copy the bag again: the image has fewer bytes than its size needs";
   }
   picture.deep = encoding->bytes == 2;
-  picture.told_bits = 0;
+  picture.bits_in_use = 0;
   picture.warnings = 0;
   const Sampler sampler{*encoding, image.big_endian};
   if (picture.deep) {

@@ -8,7 +8,7 @@ namespace cliquevo::drivers {
 
 namespace {
 
-// Numbers, texts and arrays of a message. CDR aligns each to its own size, counted from behind four bytes that tell
+// Numbers, texts and arrays of a message. CDR aligns each to its own size, counted from behind four bytes that give
 // the byte order; ROS 1 does neither.
 class FieldReader {
  public:

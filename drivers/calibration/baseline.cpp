@@ -46,13 +46,13 @@ std::string readings(double baseline) {
 
 }  // namespace
 
-Result<void> check_baseline(double baseline_m, bool asked, const std::string& where) {
+Result<void> check_baseline(double baseline_m, bool named, const std::string& where) {
   if (!(baseline_m >= 1e-9)) return Error{"baseline is zero", where, "name the right calibration file"};
-  if (asked ? baseline_m >= kLeastPossible_m && baseline_m <= kMostPossible_m
+  if (named ? baseline_m >= kLeastPossible_m && baseline_m <= kMostPossible_m
             : baseline_m >= kLeastBaseline_m && baseline_m <= kMostBaseline_m) {
     return {};
   }
-  std::string remedy = asked ? "" : readings(baseline_m);
+  std::string remedy = named ? "" : readings(baseline_m);
   if (remedy.empty()) {
     remedy = "calibrate the cameras again, or give metres a unit with --baseline-unit (baseline_unit)";
   } else {

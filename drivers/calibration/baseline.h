@@ -9,11 +9,11 @@
 
 namespace cliquevo::drivers {
 
-// `asked`: the unit was named, so the number counts for what it is unless no rig can have it.
-Result<void> check_baseline(double baseline_m, bool asked, const std::string& where);
+// `named`: the unit was named, so the number counts for what it is unless no rig can have it.
+Result<void> check_baseline(double baseline_m, bool named, const std::string& where);
 
 // With what the images show: the nearest things that a forward-looking rig sees are a few tens of baselines away.
-// `near_m`: depth of the nearest matched features by this calibration. A line to tell, or nothing.
+// `near_m`: depth of the nearest matched features by this calibration. A line to print, or nothing.
 std::optional<std::string> doubt_baseline(double baseline_m, double near_m);
 
 }  // namespace cliquevo::drivers

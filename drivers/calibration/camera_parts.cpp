@@ -30,7 +30,7 @@ Result<void> fill_from_projection(CameraParts& parts) {
   }
   if (!parts.R) {
     if (!straight) {
-      return calibration_error("rectification is not told (R of zeros) though the lens has distortion", parts.where);
+      return calibration_error("rectification is missing (R of zeros) though the lens has distortion", parts.where);
     }
     parts.R = Eigen::Matrix3d::Identity();
   }

@@ -238,7 +238,7 @@ Result<void> check_prescribed(StereoCalibration& c, const CalibrationRequest& re
 // The pair that this calibration rectifies to, for images that are it.
 Result<StereoCalibration> rectified_already(StereoCalibration c, const CalibrationRequest& request) {
   if (!c.prescribed) {
-    return Error{"calibration does not tell the rectified cameras", request.path,
+    return Error{"calibration does not describe the rectified cameras", request.path,
                  "name a file with the projections of the rectified images (P1 and P2; KITTI's calib.txt)"};
   }
   StereoModel m = c.prescribed->model;

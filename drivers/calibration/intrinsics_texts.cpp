@@ -81,7 +81,7 @@ Result<StereoCalibration> read_robotcar(const CalibrationText& file, const Calib
   c.left = left.camera;
   c.right = right.camera;
   c.T_right_left = right.T_camera_image.inverse() * left.T_camera_image;
-  if (c.T_right_left.t.x() > 0.0) c.T_right_left = c.T_right_left.inverse();  // their names tell the order
+  if (c.T_right_left.t.x() > 0.0) c.T_right_left = c.T_right_left.inverse();  // the order is in their names
   c.notes.emplace_back("the camera models are those of undistorted images");
   return finish_calibration(c, request);
 }

@@ -249,7 +249,7 @@ bool leads_outwards(const std::vector<std::string>& words) {
   return false;
 }
 
-// What only the whole path of keys tells.
+// What only the whole path of keys decides.
 void settle(const std::vector<std::string>& words, KeyMeaning& meaning) {
   const bool in_metres = std::any_of(words.begin(), words.end(), [](const auto& w) { return unit_named(w) > 0.0; });
   if (is_size(meaning.quantity) && (in_metres || is_of_something_else(words) || is_of_vehicle(words))) {

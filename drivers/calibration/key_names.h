@@ -38,7 +38,7 @@ enum class Quantity {
   alpha,             //
   beta,              //
   baseline,          // in the file's unit
-  baseline_in_unit,  // in the unit that its name tells
+  baseline_in_unit,  // in the unit of its name
   bf,                // baseline times fx, px m
   // Of a camera's pose the other way round ("R_cam_to_world"): from the camera to a common frame.
   rotation_outwards,     // 9 numbers or a rotation vector

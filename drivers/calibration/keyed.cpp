@@ -52,7 +52,7 @@ Result<std::optional<StereoCalibration>> rig_beside_leftovers(const Keys& keys, 
   const bool left_is = left.camera.width == request.width && left.camera.height == request.height;
   if (left_is && !of_the_images) return Rig{};
   if (!of_the_images || left_is) {
-    return Error{fmt::format("calibration tells two rectified cameras: fx of {:.2f} px, and of {:.2f} px by LEFT.P",
+    return Error{fmt::format("calibration has two rectified cameras: fx of {:.2f} px, and of {:.2f} px by LEFT.P",
                              fx_px, left.P[0]),
                  path, "leave LEFT and RIGHT out if the images are rectified; else put LEFT.P's numbers to Camera"};
   }
@@ -61,7 +61,7 @@ Result<std::optional<StereoCalibration>> rig_beside_leftovers(const Keys& keys, 
   auto rig = rig_of_pose(camera, camera, {Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, request);
   if (!rig) return rig.error();
   rig->notes.push_back(
-      fmt::format("Camera's fx of {:.2f} px taken for that of rectified images, as LEFT.P tells another one", fx_px));
+      fmt::format("Camera's fx of {:.2f} px taken for that of rectified images, as LEFT.P has another one", fx_px));
   return Rig{std::move(*rig)};
 }
 
@@ -101,7 +101,7 @@ Result<StereoCalibration> rig_by_projections(const Keys& keys, CameraParts left,
   return rig;
 }
 
-// Cameras whose pose is told by their distance alone.
+// Cameras whose pose is given by their distance alone.
 Result<KeyedPose> parallel_pose(const Keys& keys, const CameraParts& left, const std::string& path,
                                 std::vector<std::string>& notes) {
   const auto baseline = baseline_of(keys, left.camera.fx_px);
@@ -111,7 +111,7 @@ Result<KeyedPose> parallel_pose(const Keys& keys, const CameraParts& left, const
                  "it needs R and T, a 4x4 transform, projections P1 and P2, a baseline, or Camera.bf"};
   }
   if (std::any_of(left.D.begin(), left.D.end(), [](double k) { return k != 0.0; })) {
-    notes.push_back("no rotation between the cameras is told: they are taken for parallel");
+    notes.push_back("no rotation between the cameras is given: they are taken for parallel");
   }
   return KeyedPose{{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, true};
 }

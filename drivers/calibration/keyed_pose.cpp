@@ -18,8 +18,7 @@ Result<Eigen::Matrix3d> rotation_of_quaternion(const std::vector<double>& q, con
   constexpr double kMostlyReal = 0.9;
   const bool real_first = std::abs(q[0]) > kMostlyReal;
   if (real_first == (std::abs(q[3]) > kMostlyReal)) {
-    return Error{"quaternion is not told to begin or to end with its real part", where,
-                 "give the rotation as a matrix"};
+    return Error{"quaternion of unknown order: real part first or last", where, "give the rotation as a matrix"};
   }
   const Eigen::Quaterniond turn =
       real_first ? Eigen::Quaterniond(q[0], q[1], q[2], q[3]) : Eigen::Quaterniond(q[3], q[0], q[1], q[2]);
@@ -44,7 +43,7 @@ RigidTransform right_from_left(const RigidTransform& T) { return T.t.x() > 0.0 ?
 
 using Pose = std::optional<KeyedPose>;
 
-// The rotation between cameras whose rectifications are told: where they make the translation a baseline.
+// The rotation between cameras whose rectifications are known: where they make the translation a baseline.
 std::optional<Eigen::Matrix3d> rotation_by_rectification(const CameraParts& left, const CameraParts& right,
                                                          const Eigen::Vector3d& T) {
   if (!left.R || !right.R) return std::nullopt;
@@ -176,10 +175,10 @@ double length_unit_of(const Keys& keys, double length, std::vector<std::string>&
   }
   const KeyEntry* baseline = first_of(keys, Quantity::baseline_in_unit);
   if (baseline == nullptr || !(length > 0.0)) return 1.0;
-  const double told = std::abs(baseline->numbers.front()) / length;
+  const double given = std::abs(baseline->numbers.front()) / length;
   constexpr double kRounded = 0.05;
   for (const double unit_m : {0.001, 0.01, 0.0254}) {
-    if (std::abs(told / unit_m - 1.0) > kRounded) continue;
+    if (std::abs(given / unit_m - 1.0) > kRounded) continue;
     notes.push_back(fmt::format("lengths are taken in units of {:g} m, since {} is {:.4g} m", unit_m,
                                 printable(baseline->key.substr(0, 64)), std::abs(baseline->numbers.front())));
     return unit_m;

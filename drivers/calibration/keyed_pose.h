@@ -18,7 +18,7 @@ struct KeyedPose {
   bool directed = false;
 };
 
-// Nothing = the file tells none. `left` and `right`: their rectifications may tell the rotation.
+// Nothing = the file has none. `left` and `right`: their rectifications may give the rotation.
 Result<std::optional<KeyedPose>> pose_of(const Keys& keys, const CameraParts& left, const CameraParts& right);
 // In m: baseline, or bf (of the rectified camera's fx); nothing = neither.
 Result<std::optional<double>> baseline_of(const Keys& keys, double fx_px);

@@ -29,7 +29,7 @@ bool can_be(const char* lens, CameraCalibration camera, const std::vector<double
 
 double decentring(const std::vector<double>& D) { return std::max(std::abs(D[2]), std::abs(D[3])); }
 
-// By the principal point where the file does not tell a size.
+// By the principal point where the file has no size.
 double half_field(const CameraCalibration& c) { return (c.width > 0 ? 0.5 * c.width : c.cx_px) / c.fx_px; }
 
 }  // namespace

@@ -35,7 +35,7 @@ std::string refuse_size(std::int64_t width, std::int64_t height) {
 
 std::string decode_image(Bytes file, GreyPicture& picture) {
   picture.deep = false;
-  picture.told_bits = 0;
+  picture.bits_in_use = 0;
   picture.warnings = 0;
   for (const ImageFormat& format : kFormats) {
     if (!format.recognises(file)) continue;

@@ -17,7 +17,7 @@ struct GreyPicture {
   Image<std::uint8_t> bytes;   // samples of up to 8 bits, spread over 0 to 255
   Image<std::uint16_t> words;  // samples of more, as stored
   bool deep = false;           // the samples are in `words`
-  int told_bits = 0;           // bits of a word that are in use, where the file has it; 0 = it does not
+  int bits_in_use = 0;         // bits of a word that are in use, where the file has it; 0 = it does not
   int warnings = 0;            // what the decoder warned of although every pixel is there
 
   int width() const { return deep ? words.width() : bytes.width(); }

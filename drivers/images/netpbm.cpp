@@ -122,7 +122,7 @@ std::string decode_netpbm(Bytes file, GreyPicture& picture) {
   const bool whole_bits = std::has_single_bit(header.most + 1);
   picture.deep = true;
   // Writers that do not look at their data put 65535: no evidence.
-  picture.told_bits = header.most == 65535 ? 0 : whole_bits ? std::bit_width(header.most) : 16;
+  picture.bits_in_use = header.most == 65535 ? 0 : whole_bits ? std::bit_width(header.most) : 16;
   picture.words.resize(header.width, header.height);
   return read_pixels(header, tokens, !whole_bits, picture.words.view());
 }

@@ -19,7 +19,7 @@ constexpr int kLeftAlignedZeros = 2;
 void SampleDepth::add(const GreyPicture& picture) {
   if (!picture.deep) return;
   deep_ = true;
-  told_ = std::max(told_, picture.told_bits);
+  named_ = std::max(named_, picture.bits_in_use);
   const ImageView<const std::uint16_t> words = picture.words.cview();
   for (int y = 0; y < words.height; ++y) {
     const std::uint16_t* row = words.row(y);
@@ -30,7 +30,7 @@ void SampleDepth::add(const GreyPicture& picture) {
 }
 
 int SampleDepth::shift() const {
-  if (told_ > 0) return std::max(0, told_ - kBytesBits);
+  if (named_ > 0) return std::max(0, named_ - kBytesBits);
   if (used_ == 0) return kWordBits - kBytesBits;  // nothing but black: as if all bits were in use
   const int top = std::bit_width(used_);
   if (top <= kBytesBits) return 0;

@@ -20,7 +20,7 @@ class SampleDepth {
  private:
   bool deep_ = false;
   unsigned used_ = 0;  // every bit that was set anywhere
-  int told_ = 0;
+  int named_ = 0;
 };
 
 // Shifts every sample; what is brighter than 8 bits hold stays white.

@@ -56,7 +56,7 @@ struct CameraOptions {
   std::string controls;   // further ones by name: "name=value,name=value"
   std::string left_mask;  // image files, 0 = the vehicle's own parts
   std::string right_mask;
-  bool needs_calibration = true;  // not a key: without, images alone are asked for
+  bool needs_calibration = true;  // not a key: without, images alone are wanted
   double patience_s = 12.0;  // not a key: how long a camera held by another program is retried before that is an error
 
   Result<void> check() const;        // ranges

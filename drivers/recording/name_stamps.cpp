@@ -121,7 +121,7 @@ std::vector<TimestampNs> dates_in_names(const std::vector<RecordedImage>& images
 std::vector<TimestampNs> times_in_names(const std::vector<RecordedImage>& images, std::vector<std::string>& said) {
   std::size_t before = 0;
   std::size_t after = 0;
-  // Alone, a name tells what is its time by being nothing else.
+  // Alone, a name is a time if it is nothing else.
   if (images.size() > 1) std::tie(before, after) = common_ends(images);
   std::vector<std::string> texts;
   for (const RecordedImage& image : images) {

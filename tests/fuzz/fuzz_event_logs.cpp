@@ -32,7 +32,7 @@ void scan(const std::string& path, std::int64_t size) {
       if (!pair) fuzz::expect_clear(pair.error());
     }
   });
-  fuzz::expect(damage.torn_tail == size - end && damage.broken_places >= 0, "what is damaged is told");
+  fuzz::expect(damage.torn_tail == size - end && damage.broken_places >= 0, "what is damaged is reported");
 }
 
 void play(const std::string& path) {

@@ -38,7 +38,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::int64_t pixels = std::int64_t{picture.width()} * picture.height();
   fuzz::expect(picture.width() > 0 && picture.height() > 0 && pixels <= drivers::kMostPixels,
                "a size that is accepted");
-  fuzz::expect(picture.told_bits >= 0 && picture.told_bits <= 16, "bits of a word");
+  fuzz::expect(picture.bits_in_use >= 0 && picture.bits_in_use <= 16, "bits of a word");
   if (pixels > 1'000'000) return 0;
   drivers::SampleDepth depth;
   depth.add(picture);

@@ -130,7 +130,7 @@ void expect_odometry(const json& got, int n) {
   }
 }
 
-// What comes seldom: all of it arrives, with the camera that the images tell.
+// What comes seldom: all of it arrives, with the camera that the images describe.
 void expect_pictures(const Topics& topics) {
   for (const char* topic :
        {"/stereo/left/image_rect", "/stereo/left/camera_info", "/stereo/disparity", "/stereo/points2"}) {

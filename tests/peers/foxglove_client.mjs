@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A viewer by others' code: subscribes to every channel of foxglove.websocket.v1 and decodes by the schemas it is told.
+// A viewer by others' code: subscribes to every channel of foxglove.websocket.v1 and decodes by the schemas it receives.
 //   node foxglove_client.mjs ws://127.0.0.1:8470/ MESSAGES > messages.jsonl
 // READY once subscribed; a line a message, {topic, type, stamp, message}, bytes as base64; ends when so many of /odom came.
 import protocol from "@foxglove/ws-protocol";

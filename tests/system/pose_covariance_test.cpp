@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// VO_ODOMETRY over a whole course: whether its covariance tells how far off the pose is, and whether a filter that
+// VO_ODOMETRY over a whole course: whether its covariance says how far off the pose is, and whether a filter that
 // takes it in stays consistent through blank stretches.
 #include <cmath>
 #include <cstdint>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // How fast the page is with software rendering, alone on the machine: frames drawn and turns of the page's loop a second while
 // a simulated course is played at 30 Hz, at two sizes and with each overlay.
-// Beside other programs the processor time a frame tells more: 40 ms on one core are 25 frames a second.
+// Beside other programs the processor time a frame says more: 40 ms on one core are 25 frames a second.
 //   tests/web/run tests/web/page_bench.mjs PROGRAM OUTPUT [--seconds 8] [--profile]
 import fs from "node:fs";
 import path from "node:path";

@@ -25,11 +25,11 @@ using calibration::Side;
 
 constexpr int kGuesses = 5;         // pairs in which something else is looked for
 constexpr int kMostSkipped = 1000;  // pairs in a row that cannot be read
-constexpr double kLongAgo_s = 2.0;  // a board seen so long ago tells no speed
+constexpr double kLongAgo_s = 2.0;  // a board seen so long ago gives no speed
 
 }  // namespace
 
-// Of a live source a thread of its own takes every pair, so that the newest is there when it is asked for.
+// Of a live source a thread of its own takes every pair, so that the newest is always there.
 class Capture::Pairs {
  public:
   explicit Pairs(drivers::FrameSource& source) : source_(source) {
@@ -183,7 +183,7 @@ void Capture::look_at(const drivers::StereoPair& pair) {
 
 Result<Collected> Capture::collect() {
   drivers::StereoPair pair;
-  while (!StopOnSignal::asked() && !guide_.enough() && !(page_ != nullptr && page_->finish_wanted())) {
+  while (!StopOnSignal::received() && !guide_.enough() && !(page_ != nullptr && page_->finish_wanted())) {
     const auto got = pairs_->next(pair);
     if (!got) {
       lines_->end();
@@ -194,7 +194,7 @@ Result<Collected> Capture::collect() {
     if (*got == Pairs::Got::pair) look_at(pair);
   }
   lines_->end();
-  out_.stopped = StopOnSignal::asked();
+  out_.stopped = StopOnSignal::received();
   out_.enough = guide_.enough();
   Collected out = out_;
   out.views = guide_.views();

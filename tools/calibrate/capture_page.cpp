@@ -57,21 +57,21 @@ Result<std::unique_ptr<CapturePage>> CapturePage::open(const view::ServerOptions
   auto store = view::Store::make(kStoreBytes, kStoredPairs);
   if (!store) return store.error();
   page->store_ = std::move(*store);
-  view::Telling telling;
+  view::PageContent content;
   CapturePage* self = page.get();
-  telling.hello = [self, source, version] {
+  content.hello = [self, source, version] {
     self->greeted_ = true;
     return text_of({{"op", "hello"}, {"source", source}, {"version", version}, {"across", kCellsAcross}});
   };
-  telling.state = [self] { return self->state(); };
-  telling.mask = [] { return nullptr; };
-  telling.metrics = [] { return std::string(); };
-  telling.command = [self](view::PageCommand::What what) {
+  content.state = [self] { return self->state(); };
+  content.mask = [] { return nullptr; };
+  content.metrics = [] { return std::string(); };
+  content.command = [self](view::PageCommand::What what) {
     if (what == view::PageCommand::What::take_view) self->take_ = true;
     if (what == view::PageCommand::What::drop_view) self->drop_ = true;
     if (what == view::PageCommand::What::finish) self->finish_ = true;
   };
-  auto server = view::Server::open(options, *page->store_, page->topics_, std::move(telling));
+  auto server = view::Server::open(options, *page->store_, page->topics_, std::move(content));
   if (!server) return server.error();
   page->server_ = std::move(*server);
   page->thread_ = std::thread([self] { self->server_->run([self] { return self->ending_.load(); }); });
@@ -91,7 +91,7 @@ std::string CapturePage::address() const {
 
 std::string CapturePage::state() const {
   const std::lock_guard lock(mutex_);
-  if (phase_ == "done" || phase_ == "failed") told_last_ = true;
+  if (phase_ == "done" || phase_ == "failed") last_sent_ = true;
   std::string out = text_of({{"op", "state"}, {"phase", phase_}, {"text", text_}});
   if (!looked_.empty()) out.insert(out.size() - 1, "," + looked_);
   return out;
@@ -132,8 +132,8 @@ void CapturePage::tell(const std::string& phase, const std::string& text) {
 }
 
 void CapturePage::linger() const {
-  for (int i = 0; greeted_ && !told_last_ && i < kMostLingers; ++i) std::this_thread::sleep_for(kLinger);
-  if (told_last_) std::this_thread::sleep_for(kLinger);  // it is on its way
+  for (int i = 0; greeted_ && !last_sent_ && i < kMostLingers; ++i) std::this_thread::sleep_for(kLinger);
+  if (last_sent_) std::this_thread::sleep_for(kLinger);  // it is on its way
 }
 
 }  // namespace cliquevo::tools

@@ -31,11 +31,11 @@ class CapturePage {
   void show(const drivers::StereoPair& pair, const Look& look, Refusal refusal, const Guide& guide);
   // looking, solving, done, failed; what there is to say about it.
   void tell(const std::string& phase, const std::string& text);
-  // Whether a button was pressed since it was last asked.
+  // Whether a button was pressed since the last call.
   bool take_wanted() { return take_.exchange(false); }
   bool drop_wanted() { return drop_.exchange(false); }
   bool finish_wanted() { return finish_.exchange(false); }
-  // Waits until a page that is open has been told the last word.
+  // Waits until a page that is open has the last state.
   void linger() const;
 
  private:
@@ -51,7 +51,7 @@ class CapturePage {
   std::string phase_ = "looking";
   std::string text_;
   std::atomic<bool> take_{false}, drop_{false}, finish_{false}, ending_{false}, greeted_{false};
-  mutable std::atomic<bool> told_last_{false};
+  mutable std::atomic<bool> last_sent_{false};
   std::thread thread_;
 };
 

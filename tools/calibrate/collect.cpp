@@ -123,7 +123,7 @@ Result<Collected> collect_views(drivers::FrameSource& source, const calibration:
   SkippedPairs skipped;
   drivers::StereoPair pair;
   const std::int64_t most_skipped = std::max<std::int64_t>(1000, info.frame_count);
-  while (!StopOnSignal::asked() && static_cast<std::int64_t>(out.views.size()) < options.most_views) {
+  while (!StopOnSignal::received() && static_cast<std::int64_t>(out.views.size()) < options.most_views) {
     const auto more = source.next(pair);
     if (!more) {
       skipped.add(pair.index, more.error());
@@ -136,7 +136,7 @@ Result<Collected> collect_views(drivers::FrameSource& source, const calibration:
   }
   progress.finish();
   collector.fill_up(out);
-  out.stopped = StopOnSignal::asked();
+  out.stopped = StopOnSignal::received();
   return out;
 }
 

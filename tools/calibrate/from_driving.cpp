@@ -53,7 +53,7 @@ Result<DrivenRun> drive(drivers::FrameSource& source, const StereoCalibration& c
   drivers::StereoPair pair;
   SkippedPairs skipped;
   Progress progress(source.info().frame_count);
-  while (!StopOnSignal::asked()) {
+  while (!StopOnSignal::received()) {
     const auto more = source.next(pair);
     if (!more) {
       skipped.add(pair.index, more.error());
@@ -152,7 +152,7 @@ StereoCalibration with_right_focal_scaled(const StereoCalibration& calibration, 
 
 Result<DrivenCalibration> calibrate_from_driving(const OpenSource& open, const daemon::Config& config) {
   DrivenCalibration out;
-  for (int round = 0; round < kMostRounds && !StopOnSignal::asked(); ++round) {
+  for (int round = 0; round < kMostRounds && !StopOnSignal::received(); ++round) {
     auto source = open();
     if (!source) return source.error();
     if (round == 0) out.calibration = (*source)->info().calibration;

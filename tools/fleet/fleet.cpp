@@ -209,7 +209,7 @@ int run_status(const FleetArguments& arguments) {
     const Standing standing = standing_of(open->plan, *store, since_ns, now_unix_ns());
     fmt::print("{}\n", arguments.json ? standing_json(standing).dump() : standing_text(standing));
     std::fflush(stdout);
-    if (!arguments.follow || standing.waiting() == 0 || StopOnSignal::asked()) return kDone;
+    if (!arguments.follow || standing.waiting() == 0 || StopOnSignal::received()) return kDone;
     StopOnSignal::sleep_until(monotonic_ns() + 2'000'000'000);
   }
 }

@@ -70,13 +70,13 @@ int wait_for(pid_t child) {
   int status = 0;
   bool passed_on = false;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    if (StopOnSignal::asked() && !passed_on) ::kill(child, SIGTERM);
-    passed_on = passed_on || StopOnSignal::asked();
+    if (StopOnSignal::received() && !passed_on) ::kill(child, SIGTERM);
+    passed_on = passed_on || StopOnSignal::received();
   }
   return status;
 }
 
-std::optional<Error> told_error(const std::string& text) {
+std::optional<Error> reported_error(const std::string& text) {
   const json parts = json::parse(text, nullptr, false);
   if (!parts.is_array() || parts.size() != 3) return std::nullopt;
   for (const json& part : parts) {
@@ -103,7 +103,7 @@ IsolatedEnd run_isolated(const std::function<Result<void>()>& work, const Error&
   const int status = wait_for(child);
   out.said = said.tail();
   if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return out;
-  out.error = told_error(error.tail());
+  out.error = reported_error(error.tail());
   if (WIFEXITED(status) && out.error) return out;
   out.crashed = true;
   const std::string how = WIFSIGNALED(status)

@@ -51,7 +51,7 @@ class Pool {
       fill();
       if (running_.empty()) break;
       StopOnSignal::sleep_until(monotonic_ns() + kPollNs);
-      if (StopOnSignal::asked()) return interrupt();
+      if (StopOnSignal::received()) return interrupt();
       reap(WNOHANG);
       progress_.update();
     }

@@ -103,7 +103,7 @@ UnitsEnd run_units(const Plan& plan, const std::vector<std::size_t>& units, Stor
     } else {
       end = run_one(plan, unit, store);
     }
-    if (StopOnSignal::asked()) {
+    if (StopOnSignal::received()) {
       out.stopped = kInterrupted;
       return out;
     }

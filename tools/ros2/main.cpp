@@ -81,7 +81,7 @@ int run(Arguments arguments) {
   const StopOnSignal signals;
   fmt::print("{} of {} to ROS 2, domain {}\n", arguments.odometry_channel, arguments.lcm_url, arguments.bridge.domain);
   std::fflush(stdout);
-  while (!StopOnSignal::asked()) {
+  while (!StopOnSignal::received()) {
     pollfd ready{lcm.getFileno(), POLLIN, 0};
     if (::poll(&ready, 1, 100) < 0 && errno != EINTR) return report({"cannot wait for messages", "poll", "try again"});
     if ((ready.revents & POLLIN) != 0) lcm.handle();

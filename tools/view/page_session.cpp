@@ -9,8 +9,9 @@ namespace {
 constexpr std::size_t kRecordsAtOnce = 400;
 }  // namespace
 
-PageSession::PageSession(beast::tcp_stream&& stream, const Store& store, const Telling& telling, const Told& told)
-    : stream_(std::move(stream)), store_(store), telling_(telling), told_(told) {}
+PageSession::PageSession(beast::tcp_stream&& stream, const Store& store, const PageContent& content,
+                         const SharedState& shared)
+    : stream_(std::move(stream)), store_(store), content_(content), shared_(shared) {}
 
 void PageSession::accept(const HttpRequest& request) {
   set_options(stream_, kMostCommandBytes);
@@ -44,7 +45,7 @@ void PageSession::take(const std::string& text) {
   if (command->what == PageCommand::What::frame) {
     wanted_ = command;
   } else {
-    telling_.command(command->what);
+    content_.command(command->what);
   }
   pump();
 }
@@ -52,11 +53,11 @@ void PageSession::take(const std::string& text) {
 std::optional<std::string> PageSession::next_text() {
   if (!greeted_) {
     greeted_ = true;
-    return telling_.hello();
+    return content_.hello();
   }
-  for (const auto part : {&Told::state, &Told::mask}) {
-    if (told_.*part == nullptr || told_.*part == has_.*part) continue;
-    has_.*part = told_.*part;
+  for (const auto part : {&SharedState::state, &SharedState::mask}) {
+    if (shared_.*part == nullptr || shared_.*part == has_.*part) continue;
+    has_.*part = shared_.*part;
     return *(has_.*part);
   }
   const Store::Extent extent = store_.extent();

@@ -14,14 +14,14 @@
 namespace cliquevo::view {
 
 // What all pages are told, made once for all of them.
-struct Told {
+struct SharedState {
   std::shared_ptr<const std::string> state;
   std::shared_ptr<const std::string> mask;
 };
 
 class PageSession final : public Session, public std::enable_shared_from_this<PageSession> {
  public:
-  PageSession(beast::tcp_stream&& stream, const Store& store, const Telling& telling, const Told& told);
+  PageSession(beast::tcp_stream&& stream, const Store& store, const PageContent& content, const SharedState& shared);
   void accept(const HttpRequest& request) override;
   // Sends what is due, if nothing is on its way.
   void pump() override;
@@ -36,8 +36,8 @@ class PageSession final : public Session, public std::enable_shared_from_this<Pa
 
   WebSocket stream_;
   const Store& store_;
-  const Telling& telling_;
-  const Told& told_;
+  const PageContent& content_;
+  const SharedState& shared_;
   beast::flat_buffer buffer_;
   std::string outgoing_;
   bool open_ = false;
@@ -45,7 +45,7 @@ class PageSession final : public Session, public std::enable_shared_from_this<Pa
   bool greeted_ = false;
   std::int64_t next_record_ = 0;
   std::optional<PageCommand> wanted_;  // the newest request wins
-  Told has_;                           // of what all are told
+  SharedState has_;                    // what all have
 };
 
 }  // namespace cliquevo::view

@@ -18,9 +18,9 @@ namespace cliquevo::view {
 namespace {
 
 constexpr auto kTick = std::chrono::milliseconds(30);
-constexpr auto kTellAgain = std::chrono::milliseconds(150);  // the state is looked at so often
-constexpr auto kPatience = std::chrono::seconds(10);         // for a request to come in whole, and an answer to go out
-constexpr std::size_t kMostPages = 32;                       // and viewers
+constexpr auto kStateInterval = std::chrono::milliseconds(150);  // the state is looked at so often
+constexpr auto kPatience = std::chrono::seconds(10);  // for a request to come in whole, and an answer to go out
+constexpr std::size_t kMostPages = 32;                // and viewers
 constexpr std::size_t kMostConnections = 96;
 constexpr std::uint32_t kMostHeadBytes = 8192;
 constexpr const char* kMetricsPath = "/metrics";
@@ -70,8 +70,8 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
 class BeastServer final : public Server {
  public:
-  BeastServer(const Store& store, Ros2Topics& topics, Telling telling)
-      : store_(store), topics_(topics), telling_(std::move(telling)), acceptor_(io_) {}
+  BeastServer(const Store& store, Ros2Topics& topics, PageContent content)
+      : store_(store), topics_(topics), content_(std::move(content)), acceptor_(io_) {}
 
   Result<void> listen(const ServerOptions& options);
   std::string address() const override;
@@ -79,25 +79,25 @@ class BeastServer final : public Server {
 
   bool start_session(beast::tcp_stream&& stream, const HttpRequest& request, bool viewer);
   const AccessRules& rules() const { return rules_; }
-  std::string metrics() const { return telling_.metrics(); }
+  std::string metrics() const { return content_.metrics(); }
   std::size_t connections = 0;
 
  private:
   void accept();
   void tick(const std::function<bool()>& stopped);
-  void look_again();
+  void update_shared();
 
   asio::io_context io_{1};
   const Store& store_;
   Ros2Topics& topics_;
   std::string version_;
-  const Telling telling_;
+  const PageContent content_;
   Tcp::acceptor acceptor_;
   asio::steady_timer timer_{io_};
   asio::steady_timer pause_{io_};
   AccessRules rules_;
-  Told told_;
-  std::chrono::steady_clock::time_point told_at_;
+  SharedState shared_;
+  std::chrono::steady_clock::time_point shared_at_;
   std::list<std::shared_ptr<Session>> sessions_;  // last: they look at the others
 };
 
@@ -227,28 +227,28 @@ void BeastServer::accept() {
 
 bool BeastServer::start_session(beast::tcp_stream&& stream, const HttpRequest& request, bool viewer) {
   if (sessions_.size() >= kMostPages) return false;
-  look_again();
+  update_shared();
   if (viewer) {
     sessions_.push_back(std::make_shared<FoxgloveSession>(std::move(stream), topics_, version_));
   } else {
-    sessions_.push_back(std::make_shared<PageSession>(std::move(stream), store_, telling_, told_));
+    sessions_.push_back(std::make_shared<PageSession>(std::move(stream), store_, content_, shared_));
   }
   sessions_.back()->accept(request);
   return true;
 }
 
 // The same text stays the same object: pages that have it get nothing.
-void BeastServer::look_again() {
-  told_at_ = std::chrono::steady_clock::now();
-  std::string state = telling_.state();
-  if (!told_.state || *told_.state != state) told_.state = std::make_shared<const std::string>(std::move(state));
-  told_.mask = telling_.mask();
+void BeastServer::update_shared() {
+  shared_at_ = std::chrono::steady_clock::now();
+  std::string state = content_.state();
+  if (!shared_.state || *shared_.state != state) shared_.state = std::make_shared<const std::string>(std::move(state));
+  shared_.mask = content_.mask();
 }
 
 void BeastServer::tick(const std::function<bool()>& stopped) {
   if (stopped()) return io_.stop();
   sessions_.remove_if([](const auto& session) { return session->open() ? false : session.use_count() == 1; });
-  if (!sessions_.empty() && std::chrono::steady_clock::now() - told_at_ >= kTellAgain) look_again();
+  if (!sessions_.empty() && std::chrono::steady_clock::now() - shared_at_ >= kStateInterval) update_shared();
   for (const auto& session : sessions_) session->pump();
   timer_.expires_after(kTick);
   timer_.async_wait([this, &stopped](beast::error_code error) {
@@ -264,8 +264,8 @@ void BeastServer::run(const std::function<bool()>& stopped) {
 }  // namespace
 
 Result<std::unique_ptr<Server>> Server::open(const ServerOptions& options, const Store& store, Ros2Topics& topics,
-                                             Telling telling) {
-  auto server = std::make_unique<BeastServer>(store, topics, std::move(telling));
+                                             PageContent content) {
+  auto server = std::make_unique<BeastServer>(store, topics, std::move(content));
   if (auto ok = server->listen(options); !ok) return ok.error();
   return std::unique_ptr<Server>(std::move(server));
 }

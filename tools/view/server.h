@@ -25,7 +25,7 @@ struct ServerOptions {
 };
 
 // What the server tells pages beside frames. Called on the server's thread; none may wait.
-struct Telling {
+struct PageContent {
   std::function<std::string()> hello;  // JSON object, once a page
   // JSON object; pages get it when its text has changed.
   std::function<std::string()> state;
@@ -41,7 +41,7 @@ class Server {
  public:
   // Fails when the address cannot be had. Where it is not loopback, a token is made and asked for.
   static Result<std::unique_ptr<Server>> open(const ServerOptions& options, const Store& store, Ros2Topics& topics,
-                                              Telling telling);
+                                              PageContent content);
   virtual ~Server() = default;
   // "http://127.0.0.1:8470/", with the token where one is asked for.
   virtual std::string address() const = 0;

@@ -133,19 +133,19 @@ Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
   if (!store) return store.error();
   Ros2Topics topics;
   RecordSwitch recording(options.control_socket);
-  Telling telling;
-  telling.hello = [&] { return hello(*feed, options); };
-  telling.state = [&] { return state(*feed, **store, recording); };
+  PageContent content;
+  content.hello = [&] { return hello(*feed, options); };
+  content.state = [&] { return state(*feed, **store, recording); };
   MaskTeller mask;
-  telling.mask = [&] { return mask.message(*feed); };
-  telling.metrics = [&] { return metrics_text(feed->state(), options.version); };
-  telling.command = [&](PageCommand::What what) {
+  content.mask = [&] { return mask.message(*feed); };
+  content.metrics = [&] { return metrics_text(feed->state(), options.version); };
+  content.command = [&](PageCommand::What what) {
     const bool start = what == PageCommand::What::record_start;
     if (start || what == PageCommand::What::record_stop) recording.turn(start);
   };
   ServerOptions serving = options.server;
   serving.version = options.version;
-  auto server = Server::open(serving, **store, topics, std::move(telling));
+  auto server = Server::open(serving, **store, topics, std::move(content));
   if (!server) return server.error();
   std::atomic<bool> ending{false};
   std::atomic<bool> ended{false};

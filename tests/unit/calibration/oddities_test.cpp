@@ -348,7 +348,7 @@ TEST(oddities, cameras_in_lists_and_groups) {
     const std::string l = item(left, rig.K_left, rig.D_left);
     const std::string r = item(right, rig.K_right, rig.D_right);
     check("cameras:\n" + l + r + pose);
-    check("cameras:\n" + r + l + pose);  // the names tell, not the order
+    check("cameras:\n" + r + l + pose);  // by name, not by order
   }
   for (const auto& [left, right] :
        std::vector<std::pair<std::string, std::string>>{{"l", "r"}, {"cameraL", "cameraR"}, {"L", "R"}}) {

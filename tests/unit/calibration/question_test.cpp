@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What a file leaves open or cannot be is said in one line that tells what to do.
+// What a file leaves open or cannot be is said in one line that says what to do.
 #include <fmt/format.h>
 
 #include "drivers/calibration_file.h"
@@ -100,7 +100,7 @@ TEST(question, another_resolution_is_scaled_or_refused) {
   }
   expect_refused(text, {"another image size", "640x480", "640x400"}, {}, 640, 400);
   expect_refused(text, {"another image size"}, {}, 636, 477);
-  // Without a size in the file the principal point tells.
+  // Without a size in the file the principal point decides.
   const std::string unsized = rig_yaml("-0.3, 0.1, 0, 0, 0", "-0.1, 0, 0");
   const auto half = read(unsized, {}, 320, 240);
   ASSERT_TRUE(half.ok()) << half.error().line();
@@ -139,10 +139,10 @@ TEST(question, rectified_images_take_the_rectified_pair_of_the_file) {
   const auto none =
       read_calibration(write_file(dir + "/stereo.yml", test::opencv_yaml(rig, false)), 640, 480, rectified);
   ASSERT_FALSE(none.ok());
-  test::expect_clear(none.error(), {"does not tell the rectified cameras", "P1 and P2"});
+  test::expect_clear(none.error(), {"does not describe the rectified cameras", "P1 and P2"});
 }
 
-TEST(question, an_unknown_format_is_told_what_was_looked_for_and_found) {
+TEST(question, an_unknown_format_gets_what_was_looked_for_and_found) {
   expect_refused("%YAML:1.0\nsome_thing: 3\nother: [1, 2]\n",
                  {"no known format", "found: some_thing, other", "Kalibr", "OpenCV", "K1, D1", "DepthAI"});
   const auto text = read_calibration(write_file(test::scratch_dir() + "/notes.txt", "shopping list\n"), 0, 0);

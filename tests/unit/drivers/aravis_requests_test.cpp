@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// What is asked of cameras that no simulator stands for.
+// What is requested from cameras that no simulator stands for.
 #include <algorithm>
 
 #include <gtest/gtest.h>

@@ -51,13 +51,13 @@ TEST(DecodeNetpbm, BinaryAndTextWithComments) {
 TEST(DecodeNetpbm, TheBrightestValueTellsTheScale) {
   const GreyPicture twelve = decoded(test::bytes_of(std::string("P5 2 1 4095\n\x0f\xff\x01\x02", 16)));
   ASSERT_TRUE(twelve.deep);
-  EXPECT_EQ(twelve.told_bits, 12);
+  EXPECT_EQ(twelve.bits_in_use, 12);
   EXPECT_EQ(twelve.words.cview()(0, 0), 4095);
   EXPECT_EQ(twelve.words.cview()(1, 0), 0x0102);  // big-endian
   const GreyPicture full = decoded(test::bytes_of(std::string("P5 1 1 65535\n\x0f\xff", 15)));
-  EXPECT_EQ(full.told_bits, 0);  // what every writer puts: the data has to tell
+  EXPECT_EQ(full.bits_in_use, 0);  // what every writer puts: the data has to show
   const GreyPicture odd = decoded(test::bytes_of(std::string("P5 2 1 1000\n\x03\xe8\x01\xf4", 16)));
-  EXPECT_EQ(odd.told_bits, 16);
+  EXPECT_EQ(odd.bits_in_use, 16);
   EXPECT_EQ(odd.words.cview()(0, 0), 65535);
   EXPECT_NEAR(odd.words.cview()(1, 0), 32768, 1);
   const GreyPicture few = decoded(test::bytes_of(std::string("P5 3 1 15\n\x0f\x05\x7f", 13)));

@@ -16,7 +16,7 @@ test::File text(const std::string& s) { return {s.begin(), s.end()}; }
 // A minimal file of each format that claims this size; there are next to no pixels behind it.
 std::vector<test::File> claims(std::uint32_t width, std::uint32_t height) {
   test::PngKind kind;
-  kind.told_width = width, kind.told_height = height;
+  kind.claimed_width = width, kind.claimed_height = height;
   const test::File png = test::make_png(kind, [](int, int, int) { return 0U; });
   std::vector<test::File> out{png};
   test::File bmp{'B', 'M'};

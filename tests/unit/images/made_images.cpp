@@ -56,8 +56,8 @@ File make_png(const PngKind& kind, const std::function<unsigned(int, int, int)>&
   compress(packed.data(), &size, raw.data(), static_cast<uLong>(raw.size()));
   packed.resize(size);
   File header;
-  put_big_endian(header, kind.told_width != 0 ? kind.told_width : static_cast<std::uint32_t>(kind.width));
-  put_big_endian(header, kind.told_height != 0 ? kind.told_height : static_cast<std::uint32_t>(kind.height));
+  put_big_endian(header, kind.claimed_width != 0 ? kind.claimed_width : static_cast<std::uint32_t>(kind.width));
+  put_big_endian(header, kind.claimed_height != 0 ? kind.claimed_height : static_cast<std::uint32_t>(kind.height));
   for (const int value : {kind.depth, kind.color_type, 0, 0, kind.interlaced ? 1 : 0}) {
     header.push_back(static_cast<std::uint8_t>(value));
   }

@@ -20,8 +20,8 @@ struct PngKind {
   int color_type = 0;  // 0 grey, 2 RGB, 3 palette, 4 grey with alpha, 6 RGB with alpha
   bool interlaced = false;
   std::vector<std::uint8_t> palette;  // red, green, blue
-  std::uint32_t told_width = 0;       // what the header claims; 0 = the truth
-  std::uint32_t told_height = 0;
+  std::uint32_t claimed_width = 0;    // what the header claims; 0 = the truth
+  std::uint32_t claimed_height = 0;
 };
 // sample(x, y, channel) is as stored.
 File make_png(const PngKind& kind, const std::function<unsigned(int x, int y, int channel)>& sample);

@@ -7,10 +7,10 @@ namespace cliquevo::drivers {
 namespace {
 
 // Values from 0 to `most`, in steps of `step`.
-GreyPicture words(unsigned most, unsigned step, int told_bits = 0) {
+GreyPicture words(unsigned most, unsigned step, int bits_in_use = 0) {
   GreyPicture picture;
   picture.deep = true;
-  picture.told_bits = told_bits;
+  picture.bits_in_use = bits_in_use;
   picture.words.resize(64, 64);
   for (int y = 0; y < 64; ++y) {
     for (int x = 0; x < 64; ++x) {

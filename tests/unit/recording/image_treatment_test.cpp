@@ -76,7 +76,7 @@ TEST(image_treatment, twelve_bits_in_sixteen_are_scaled_and_said) {
 }
 
 TEST(image_treatment, all_images_and_both_cameras_are_scaled_alike) {
-  // The first pairs are dark: what comes later tells.
+  // The first pairs are dark: what comes later decides.
   const auto source = open(deep(".png", 6, [](int v, int i) { return i < 4 ? v / 16 : v * 4 + 1; }));
   ASSERT_NE(source, nullptr);
   EXPECT_TRUE(says(*source, "samples of 10 bits, scaled by 1/4")) << source->info().description;

@@ -162,7 +162,7 @@ TEST(camera_order_watch, exchanges_images_masks_and_offsets_and_keeps_the_calibr
   EXPECT_EQ(pair.right.cview()(0, 0), test::pixel_of(0, 0, 0));
 }
 
-TEST(camera_order_watch, exchanged_cameras_of_the_field_are_told_and_swapping_puts_them_right) {
+TEST(camera_order_watch, exchanged_cameras_of_the_field_are_reported_and_swapping_puts_them_right) {
   CLIQUEVO_NEEDS_FIELD("17-eyes-swapped");
   for (const bool swap : {false, true}) {
     RecordingOptions options;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::int64_t kFiveMegapixels = 2448 * 2048;
 constexpr double kBudgetMs = 23.3;
 
-// A machine that takes so long for a native frame, and what it was asked.
+// A machine that takes so long for a native frame, and the scales it measured.
 struct Machine {
   double native_ms = 0.0;
   double fixed_ms = 0.0;  // of a frame whatever its size
