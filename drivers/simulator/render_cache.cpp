@@ -94,9 +94,11 @@ void unpack(const std::uint8_t* in, int width, int height, Image<std::uint16_t>&
 }
 
 std::string store_root(const SimulatorOptions& options) {
-  if (options.cache_dir == "none") return {};
-  if (!options.cache_dir.empty()) return options.cache_dir;
-  if (const char* set = std::getenv("CLIQUEVO_CACHE"); set != nullptr && *set != '\0') return set;
+  std::string root = options.cache_dir;
+  const char* set = std::getenv("CLIQUEVO_CACHE");
+  if (root.empty() && set != nullptr) root = set;
+  if (root == "none") return {};
+  if (!root.empty()) return root;
   if (const char* home = std::getenv("HOME"); home != nullptr && *home != '\0')
     return std::string(home) + "/.cache/cliquevo";
   return {};

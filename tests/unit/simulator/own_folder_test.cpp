@@ -2,6 +2,7 @@
 // Caches on storage that several users share: what others could have written is not read.
 #include "drivers/own_folder.h"
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -124,6 +125,19 @@ TEST(RenderCache, InAFolderThatOthersMayWriteOursIsApartAndTheirPairsAreNotRead)
   fs::rename(scene / "elsewhere", file);
   fs::permissions(file, fs::perms::others_write, fs::perm_options::add);
   EXPECT_FALSE(sim::RenderCache(options).load(0, stored));
+}
+
+TEST(RenderCache, NoneKeepsNothingByOptionAndByEnvironment) {
+  const char* before = std::getenv("CLIQUEVO_CACHE");
+  const std::string kept = before != nullptr ? before : "";
+  ASSERT_EQ(::setenv("CLIQUEVO_CACHE", "none", 1), 0);
+  SimulatorOptions options;
+  EXPECT_FALSE(sim::RenderCache(options).enabled());
+  options.cache_dir = test::scratch_dir() + "/store";
+  EXPECT_TRUE(sim::RenderCache(options).enabled()) << "an option wins over the environment";
+  options.cache_dir = "none";
+  EXPECT_FALSE(sim::RenderCache(options).enabled());
+  ASSERT_EQ(before != nullptr ? ::setenv("CLIQUEVO_CACHE", kept.c_str(), 1) : ::unsetenv("CLIQUEVO_CACHE"), 0);
 }
 
 }  // namespace
