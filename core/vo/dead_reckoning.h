@@ -46,6 +46,7 @@ class DeadReckoning {
   RigidTransform last_motion_;
   TimestampNs interval_ns_ = 0;
   Velocities velocities_{};
+  double known_s_ = 0.0;  // for how long motions were learned
   // The stretch under way: the velocities at its beginning, and its motion so far.
   Velocities at_begin_{};
   Vector6d moved_ = Vector6d::Zero();
@@ -53,7 +54,7 @@ class DeadReckoning {
   // Mean squares of what each was off by.
   std::array<double, kVelocities> speed_error_{};
   std::array<double, kTurns> turn_error_{};
-  bool judged_ = false;
+  int judged_ = 0;  // stretches
 };
 
 }  // namespace cliquevo::vo
