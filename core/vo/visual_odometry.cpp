@@ -219,7 +219,8 @@ void VisualOdometry::Impl::accept(const Comparison& c, const Frame& reference) {
     current->velocity = v.current;
     current->velocity.tail<3>() += c.turn_rate;
     current->turn_rate = c.turn_rate;
-    current->velocity_before = v.before;
+    // Over a gap a mean says little of how fast the camera turned at its end.
+    if (frames.failed() == nullptr) current->velocity_before = v.before;
   }
   estimate.T_prev_cur = T_valid_ref * c.motion.T_prev_cur;
   const bool of_valid = &reference == frames.valid();
