@@ -13,6 +13,7 @@
 
 #include "tools/calibrate/board_guess.h"
 #include "tools/calibrate/markers.h"
+#include "tools/calibrate/refine_corners.h"
 
 namespace cliquevo::tools {
 
@@ -195,7 +196,9 @@ BoardDetector::BoardDetector(const Board& board) : impl_(std::make_unique<Impl>(
 BoardDetector::~BoardDetector() = default;
 
 std::vector<SeenCorner> BoardDetector::find(ImageView<const std::uint8_t> image) const {
-  return impl_->find(header_of(image));
+  std::vector<SeenCorner> corners = impl_->find(header_of(image));
+  refine_corners(image, impl_->board, corners);
+  return corners;
 }
 
 std::string BoardDetector::nearest_guess(ImageView<const std::uint8_t> image) const {
