@@ -17,7 +17,8 @@ struct Adjusted {
   bool converged = false;
   int iterations = 0;
   double sigma_px = 0.0;  // of one coordinate of a corner, from the residuals and the number of unknowns
-  // Of the shared unknowns, rows and columns of those that are not estimated 0; scaled by sigma_px^2.
+  // Of the shared unknowns, rows and columns of those that are not estimated 0; of a corner's noise, sigma_px, and of
+  // what its place is off by beyond that.
   Eigen::Matrix<double, kShared, kShared> covariance = Eigen::Matrix<double, kShared, kShared>::Zero();
 };
 

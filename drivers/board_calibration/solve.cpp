@@ -19,8 +19,10 @@ constexpr std::size_t kLeastViews = 5;
 constexpr std::size_t kLeastCornersOfView = 6;
 constexpr double kLeastTilt_rad = 0.15;  // between the boards of the views: less fixes no focal length
 constexpr double kOutlierSigmas = 5.0;   // of one coordinate
-constexpr double kMostOutliers = 0.3;    // of a view's corners: then the view is no view
-constexpr double kMostShift = 0.25;      // of the rig between two views, as a share of the way to the board
+constexpr double kLeastSigma_px =
+    0.01;                              // corners that are better than that differ in what they are off by all the same
+constexpr double kMostOutliers = 0.3;  // of a view's corners: then the view is no view
+constexpr double kMostShift = 0.25;    // of the rig between two views, as a share of the way to the board
 constexpr double kMostTurn_rad = 0.35;
 constexpr double kClearlyBetter = 0.99;  // on views held out: a model with more parameters must be worth it
 
@@ -138,7 +140,7 @@ bool drop_outliers(const Board& board, Solution& s, std::vector<RigidTransform>&
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::nth_element(lengths.begin(), middle, lengths.end());
   constexpr double kNormalMedian = 1.1774;  // of a two-dimensional normal vector's length, in sigmas
-  const double most = kOutlierSigmas * std::max(1e-3, *middle / kNormalMedian);
+  const double most = kOutlierSigmas * std::max(kLeastSigma_px, *middle / kNormalMedian);
   bool dropped = false;
   std::vector<View> views;
   std::vector<RigidTransform> kept_poses;

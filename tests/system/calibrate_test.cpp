@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "drivers/calibration/writers.h"
+#include "drivers/simulator.h"
 #include "tests/support/subprocess.h"
 #include "tests/support/test_data.h"
 
@@ -46,6 +48,26 @@ TEST(Calibrate, ARealBoardGivesTheRigWithItsUncertainty) {
   const json compared = json::parse(again.out)["compared"];
   EXPECT_LT(compared["rows_px"].get<double>(), 0.01);
   EXPECT_LT(std::abs(compared["depth"][1]["sigmas"].get<double>()), 0.01);
+}
+
+// No image shows how large a board is: the rig is as much too large, and that is said.
+TEST(Calibrate, AWrongSizeOfTheBoardIsInNoErrorAndTheResultSaysSo) {
+  CLIQUEVO_NEEDS_DATA("chessboard");
+  const auto with_size = [](const std::string& size_m) {
+    const Finished done = run({binary("cliquevo"), "calibrate", data_dir() + "/chessboard", "--board",
+                               "chessboard:9x6:" + size_m, "--model", "radtan", "--out", scratch_dir() + "/rig.yaml"});
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    EXPECT_NE(done.out.find("its size is as named: no image can show it"), std::string::npos) << done.out;
+    const auto line_with = [&](const std::string& words) {
+      const std::size_t at = done.out.find(words);
+      return done.out.substr(at, done.out.find('\n', at) - at);
+    };
+    const std::string rig = line_with("baseline ");
+    return std::pair{std::stod(rig.substr(9)), line_with("errors ")};
+  };
+  const auto right = with_size("0.02423"), wrong = with_size("0.04846");
+  EXPECT_NEAR(wrong.first, 2.0 * right.first, 0.002);
+  EXPECT_EQ(wrong.second, right.second);
 }
 
 TEST(Calibrate, WhatCannotBeCalibratedIsOneLineThatSaysWhatToDo) {
@@ -137,6 +159,59 @@ TEST(Calibrate, ADriveCorrectsARightCameraThatIsTurnedAndLeavesAGoodRigAlone) {
   EXPECT_NEAR(turned["turned_deg"][2].get<double>(), -0.1, 0.03);
   EXPECT_GT(turned["runs"].front()["end_pct"].get<double>(), 1.0) << "before";
   EXPECT_LT(turned["runs"].back()["end_pct"].get<double>(), 1.2 * good_end_pct + 0.15) << "after";
+}
+
+// A raw drive whose calibration has the right camera's focal lengths wrong.
+TEST(Calibrate, ADriveFindsTheRatioOfTheFocalLengths) {
+  const std::string folder = scratch_dir(), drive = folder + "/drive", wrong = folder + "/wrong.yaml",
+                    corrected = folder + "/corrected.yaml";
+  constexpr double kRatio = 1.004;
+  const Finished made = run({binary("cliquevo"), "simulate", "--out", drive, "--raw", "--frames", "150", "--width",
+                             "384", "--height", "288", "--focal-px", "420"});
+  ASSERT_EQ(made.exit_code, 0) << made.err;
+  const auto source =
+      drivers::open_simulator(*drivers::parse_simulator_options("raw=on,width=384,height=288,focal_px=420"));
+  ASSERT_TRUE(source.ok());
+  const auto write = [](StereoCalibration calibration, double ratio, const std::string& path) {
+    calibration.right.fx_px *= ratio;
+    calibration.right.fy_px *= ratio;
+    calibration.prescribed.reset();
+    const auto files = drivers::find_calibration_writer("opencv")->write(calibration, path);
+    ASSERT_TRUE(files.ok());
+    for (const auto& file : *files) std::ofstream(file.path) << file.text;
+  };
+  const StereoCalibration truth = (*source)->info().calibration;
+  write(truth, kRatio, wrong);
+  const auto driven = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{binary("cliquevo"), "calibrate", drive, "--from-driving", "--out",
+                                     corrected,          "--json"};
+    command.insert(command.end(), more.begin(), more.end());
+    const Finished done = run(command);
+    EXPECT_EQ(done.exit_code, 0) << done.err;
+    return json::parse(done.out);
+  };
+  const auto drift_pct = [&](const std::vector<std::string>& more) {
+    const std::string poses = folder + "/poses.txt";
+    std::vector<std::string> command{binary("cliquevo"), "replay", drive, "--trajectory", poses};
+    command.insert(command.end(), more.begin(), more.end());
+    EXPECT_EQ(run(command).exit_code, 0);
+    const Finished judged = run({binary("cliquevo"), "eval", "--reference", drive + "/poses.txt", "--estimate", poses,
+                                 "--lengths", "5,10", "--json"});
+    return json::parse(judged.out)["t_err_pct"].get<double>();
+  };
+  const json good = driven({});
+  EXPECT_FALSE(good["changed"].get<bool>()) << good;
+  const double with_truth = drift_pct({}), with_wrong = drift_pct({"--calibration", wrong});
+  const json found = driven({"--calibration", wrong});
+  const double with_found = drift_pct({"--calibration", corrected});
+  std::printf(
+      "ratio %.5f +- %.5f of %.5f; drift %.4f %% with the true calibration, %.4f %% with the wrong one, %.4f %% "
+      "corrected\n",
+      found["focal_ratio"].get<double>(), found["focal_ratio_sigma"].get<double>(), 1.0 / kRatio, with_truth,
+      with_wrong, with_found);
+  EXPECT_TRUE(found["changed"].get<bool>());
+  EXPECT_NEAR(found["focal_ratio"].get<double>(), 1.0 / kRatio, 3.0 * found["focal_ratio_sigma"].get<double>());
+  EXPECT_LE(with_found, 1.2 * with_truth);
 }
 
 TEST(Calibrate, ABoardIsPrintedAtTrueScale) {

@@ -129,7 +129,7 @@ struct Capture::Eyes {
     out.skew_s = 1e-9 * static_cast<double>(pair.right_offset_ns);
     for (const Side side : {Side::left, Side::right}) {
       const auto image = (side == Side::left ? pair.left : pair.right).cview();
-      out.view.of(side) = detector.find(image);
+      out.view.of(side) = detector.find_roughly(image);
       out.edge_px[static_cast<std::size_t>(side)] = edge_width_px(image, out.view.of(side));
     }
     const double since_s = 1e-9 * static_cast<double>(pair.stamp_ns - last_ns);
@@ -142,6 +142,14 @@ struct Capture::Eyes {
     last = out.view;
     last_ns = pair.stamp_ns;
     return out;
+  }
+
+  // As exactly as the pair shows it.
+  calibration::View refined(const drivers::StereoPair& pair, calibration::View view) const {
+    for (const Side side : {Side::left, Side::right}) {
+      detector.refine((side == Side::left ? pair.left : pair.right).cview(), view.of(side));
+    }
+    return view;
   }
 
   BoardDetector detector;
@@ -167,7 +175,7 @@ void Capture::look_at(const drivers::StereoPair& pair) {
   const bool wanted = page_ != nullptr && page_->take_wanted() && refusal != Refusal::no_board;
   if (page_ != nullptr && page_->drop_wanted()) guide_.drop_last();
   if (refusal == Refusal::none || wanted) {
-    guide_.take(look.view);
+    guide_.take(eyes_->refined(pair, look.view));
     refusal = Refusal::none;
   } else if (refusal == Refusal::no_board) {
     ++out_.without;
@@ -175,6 +183,7 @@ void Capture::look_at(const drivers::StereoPair& pair) {
       out_.guess = eyes_->detector.nearest_guess(pair.left.cview());
     }
   } else {
+    if (guide_.improves_last(look, refusal)) guide_.improve_last(eyes_->refined(pair, look.view));
     ++(refusal == Refusal::alike ? out_.alike : out_.moving);
   }
   if (page_ != nullptr) page_->show(pair, look, refusal, guide_);

@@ -34,8 +34,8 @@ class Collector {
     ++out.pairs;
     View view;
     view.name = fmt::format("pair {}", pair.index);
-    view.left = detector_.find(pair.left.cview());
-    view.right = detector_.find(pair.right.cview());
+    view.left = detector_.find_roughly(pair.left.cview());
+    view.right = detector_.find_roughly(pair.right.cview());
     if (view.left.empty() && view.right.empty()) {
       ++out.without;
       last_.reset();
@@ -48,12 +48,12 @@ class Collector {
     const double skewed_px = speed_px_s * 1e-9 * static_cast<double>(std::abs(pair.right_offset_ns));
     if (options_.most_speed_px_s > 0.0 && (speed_px_s > options_.most_speed_px_s || skewed_px > kMostSkewed_px)) {
       ++out.moving;
-      moving_.push_back({speed_px_s, std::move(view)});
+      moving_.push_back({speed_px_s, refined(pair, std::move(view))});
       if (moving_.size() > kMostMoving) slowest_first(kMostMoving / 2);
     } else if (is_known(view, out.views)) {
       ++out.alike;
     } else {
-      out.views.push_back(std::move(view));
+      out.views.push_back(refined(pair, std::move(view)));
     }
   }
 
@@ -69,6 +69,12 @@ class Collector {
   }
 
  private:
+  View refined(const drivers::StereoPair& pair, View view) const {
+    detector_.refine(pair.left.cview(), view.left);
+    detector_.refine(pair.right.cview(), view.right);
+    return view;
+  }
+
   void guess(const drivers::StereoPair& pair, Collected& out) {
     if (guesses_ >= kGuesses || !out.guess.empty() || !out.views.empty()) return;
     ++guesses_;

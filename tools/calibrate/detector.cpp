@@ -13,6 +13,7 @@
 
 #include "tools/calibrate/board_guess.h"
 #include "tools/calibrate/markers.h"
+#include "tools/calibrate/refine_corners.h"
 
 namespace cliquevo::tools {
 
@@ -44,7 +45,7 @@ double least_distance(const std::vector<cv::Point2f>& corners) {
   return least;
 }
 
-void refine(const cv::Mat& image, std::vector<cv::Point2f>& corners, double spacing_px) {
+void refine_by_gradients(const cv::Mat& image, std::vector<cv::Point2f>& corners, double spacing_px) {
   if (corners.empty()) return;
   const int half = std::clamp(static_cast<int>(kWindowOfSquare * spacing_px), kLeastWindow, kMostWindow);
   cv::cornerSubPix(image, corners, {half, half}, {-1, -1},
@@ -102,7 +103,7 @@ struct BoardDetector::Impl {
     std::vector<cv::Point2f> corners;
     constexpr int kFlags = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK;
     if (!find_chessboard(image, board.columns, board.rows, kFlags, corners)) return {};
-    refine(image, corners, least_distance(corners));
+    refine_by_gradients(image, corners, least_distance(corners));
     return numbered(corners);
   }
 
@@ -123,7 +124,7 @@ struct BoardDetector::Impl {
     cv::aruco::interpolateCornersCharuco(found, ids, image, charuco, corners, corner_ids);
     // Once more, as far as the markers let the window reach.
     const double square_px = side_px(found) / board.ratio;
-    refine(image, corners, kFreeOfMargin * 0.5 * (1.0 - board.ratio) * square_px / kWindowOfSquare);
+    refine_by_gradients(image, corners, kFreeOfMargin * 0.5 * (1.0 - board.ratio) * square_px / kWindowOfSquare);
     std::vector<SeenCorner> out;
     for (std::size_t i = 0; i < corners.size(); ++i) {
       out.push_back({corner_ids[i], {static_cast<double>(corners[i].x), static_cast<double>(corners[i].y)}});
@@ -144,7 +145,7 @@ struct BoardDetector::Impl {
     }
     std::vector<SeenCorner> out;
     for (auto& [id, corners] : found) {
-      refine(image, corners, least_distance(corners) * std::min(board.ratio, kMostOfTag));
+      refine_by_gradients(image, corners, least_distance(corners) * std::min(board.ratio, kMostOfTag));
       for (int k = 0; k < 4; ++k) {
         const cv::Point2f& p = corners[static_cast<std::size_t>(k)];
         out.push_back({4 * id + k, {static_cast<double>(p.x), static_cast<double>(p.y)}});
@@ -194,8 +195,18 @@ struct BoardDetector::Impl {
 BoardDetector::BoardDetector(const Board& board) : impl_(std::make_unique<Impl>(board)) {}
 BoardDetector::~BoardDetector() = default;
 
-std::vector<SeenCorner> BoardDetector::find(ImageView<const std::uint8_t> image) const {
+std::vector<SeenCorner> BoardDetector::find_roughly(ImageView<const std::uint8_t> image) const {
   return impl_->find(header_of(image));
+}
+
+void BoardDetector::refine(ImageView<const std::uint8_t> image, std::vector<SeenCorner>& corners) const {
+  refine_corners(image, impl_->board, corners);
+}
+
+std::vector<SeenCorner> BoardDetector::find(ImageView<const std::uint8_t> image) const {
+  std::vector<SeenCorner> corners = find_roughly(image);
+  refine(image, corners);
+  return corners;
 }
 
 std::string BoardDetector::nearest_guess(ImageView<const std::uint8_t> image) const {

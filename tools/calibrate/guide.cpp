@@ -32,13 +32,14 @@ constexpr int kOfEachTilt = 2;
 constexpr double kWantedCells = 0.65;     // of an image's
 constexpr double kWantedShare = 0.42;     // of the width, from near
 constexpr double kWantedDistances = 1.5;  // farthest over nearest
-constexpr double kWantedDepth_px = 0.06;  // what a disparity may be off by all parameters together
+// What all parameters together may add to the drift, of the way: the odometry itself has 0.03 to 0.08 %.
+constexpr double kWantedDrift_percent = 0.03;
 constexpr std::size_t kLeastViews = 12;
+constexpr int kMostPairs = 20;  // of one place: more make it no better
 constexpr std::size_t kFirstEstimate = 8;
-constexpr double kEstimateAgain = 1.3;   // times the views of the estimate before
-constexpr std::size_t kManyViews = 40;   // from here on parts of the image may stay without corners,
-constexpr std::size_t kVeryMany = 60;    // from here on precision may be missing
-constexpr double kJudgedDepth_m = 10.0;  // calibration::kJudgedDepths_m[1]
+constexpr double kEstimateAgain = 1.3;  // times the views of the estimate before
+constexpr std::size_t kManyViews = 40;  // from here on parts of the image may stay without corners,
+constexpr std::size_t kVeryMany = 60;   // from here on precision may be missing
 
 std::size_t cell_of(const Eigen::Vector2d& px, int width, int height) {
   const int x = std::clamp(static_cast<int>(kCellsAcross * px.x() / width), 0, kCellsAcross - 1);
@@ -160,13 +161,25 @@ Refusal Guide::judge(const Look& look) {
 void Guide::take(View view) {
   fill(view);
   holdings_.push_back(holding_of(view));
+  last_ = HeldView(view);
   views_.push_back(std::move(view));
   if (views_.size() >=
       std::max(kFirstEstimate, static_cast<std::size_t>(kEstimateAgain * static_cast<double>(estimated_at_))))
     estimate_rig();
 }
 
+// What is refused for another reason than that it is known, is not sharp and still.
+bool Guide::improves_last(const Look& look, Refusal refusal) const {
+  return refusal == Refusal::alike && last_.pairs() < kMostPairs && last_.is_same_place(look.view);
+}
+
+void Guide::improve_last(const View& again) {
+  last_.add(again);
+  views_.back() = last_.mean();
+}
+
 void Guide::drop_last() {
+  last_ = HeldView();
   if (views_.empty()) return;
   views_.pop_back();
   gather();
@@ -184,7 +197,7 @@ void Guide::gather() {
 void Guide::estimate_rig() {
   estimated_at_ = views_.size();
   std::optional<calibration::Solution> best;
-  const bool first = depth_px_ == 0.0;
+  const bool first = drift_percent_ == 0.0;
   for (const char* name : {"radtan", "equidistant"}) {
     if (!first && model_ != calibration::find_lens_model(name)) continue;
     calibration::SolveOptions options;
@@ -198,11 +211,9 @@ void Guide::estimate_rig() {
   const calibration::Rig& rig = best->rig();
   model_ = rig.model;
   lenses_ = {rig.left, rig.right};
-  const calibration::Accuracy worth = calibration::accuracy(rig, best->adjusted.covariance);
-  const double baseline_m = rig.T_right_left.t.norm();
-  depth_px_ = worth.depth_m[1] * rig.left(0) * baseline_m / (kJudgedDepth_m * kJudgedDepth_m);
-  estimate_ = fmt::format("f {:.1f} px, baseline {:.1f} mm, corners to {:.2f} px, disparities to {:.3f} px",
-                          rig.left(0), 1e3 * baseline_m, best->adjusted.sigma_px, depth_px_);
+  drift_percent_ = calibration::accuracy(rig, best->adjusted.covariance).drift_percent;
+  estimate_ = fmt::format("f {:.1f} px, baseline {:.1f} mm, corners to {:.3f} px, drift to {:.3f} % of the way",
+                          rig.left(0), 1e3 * rig.T_right_left.t.norm(), best->adjusted.sigma_px, drift_percent_);
   gather();
 }
 
@@ -218,7 +229,7 @@ std::array<Bar, 6> Guide::bars() const {
            {"scale", part(range.share / kWantedShare)},
            {"tilt", tilted},
            {"distance", part((distances - 1.0) / (kWantedDistances - 1.0))},
-           {"precision", depth_px_ > 0.0 ? part(kWantedDepth_px / depth_px_) : 0.0}}};
+           {"precision", drift_percent_ > 0.0 ? part(kWantedDrift_percent / drift_percent_) : 0.0}}};
 }
 
 bool Guide::enough() const {

@@ -12,6 +12,7 @@
 #include "drivers/board_calibration/board.h"
 #include "drivers/board_calibration/solve.h"
 #include "drivers/board_calibration/views.h"
+#include "tools/calibrate/held_view.h"
 
 namespace cliquevo::tools {
 
@@ -55,6 +56,9 @@ class Guide {
   Refusal judge(const Look& look);
   // Takes it in any case; every few views the rig is estimated.
   void take(calibration::View view);
+  // The board is still held where the last view was taken: whether another pair makes that view more certain.
+  bool improves_last(const Look& look, Refusal refusal) const;
+  void improve_last(const calibration::View& again);
   void drop_last();
 
   const std::vector<calibration::View>& views() const { return views_; }
@@ -82,13 +86,14 @@ class Guide {
   int width_, height_;
   GuideOptions options_;
   std::vector<calibration::View> views_;
+  HeldView last_;  // of the last view, while the board is held there
   std::vector<Holding> holdings_;
   std::array<Cells, 2> cells_{};
   std::vector<double> edges_;  // of all that was seen, to know how sharp this camera can be
   const calibration::LensModel* model_ = nullptr;
   std::array<calibration::LensVector, 2> lenses_;
   std::size_t estimated_at_ = 0;  // number of views
-  double depth_px_ = 0.0;         // what the uncertainty of all parameters does to disparities; 0: not known
+  double drift_percent_ = 0.0;    // of the way, by the uncertainty of all parameters; 0: not known
   std::string estimate_;
 };
 

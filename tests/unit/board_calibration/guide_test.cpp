@@ -4,6 +4,7 @@
 
 #include <cstdio>
 #include <random>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -35,6 +36,12 @@ class Holder {
     const RigidTransform T = course_.T_left_board(place / options_.rate_hz);
     return look_from(T);
   }
+  View exact(int place) {
+    const double noise_px = std::exchange(noise_px_, 0.0);
+    View out = look(place).view;
+    noise_px_ = noise_px;
+    return out;
+  }
   Look look_from(const RigidTransform& T) {
     Look out;
     out.view.name = "a place";
@@ -51,12 +58,13 @@ class Holder {
     for (int id = 0; id < board.corner_count(); ++id) {
       if (!lens.shows(T * board.corner(id))) return {};
       const Eigen::Vector2d noise(normal_(bits_), normal_(bits_));
-      out.push_back({id, *lens.project(T * board.corner(id)) + 0.05 * noise});
+      out.push_back({id, *lens.project(T * board.corner(id)) + noise_px_ * noise});
     }
     return out;
   }
 
   const drivers::SimulatorOptions options_;
+  double noise_px_ = 0.006;  // of a corner in one picture of the simulator
 
  public:
   const calibration::Board board;
@@ -142,6 +150,38 @@ TEST(Guide, RefusesWhatMovesIsSkewedIsBlurredOrIsThereAlready) {
   Look blurred = holder.look(13);
   blurred.edge_px[1] = 4.5;
   EXPECT_EQ(guide.judge(blurred), Refusal::blurred) << "sharp edges are 2.5 px wide here";
+}
+
+TEST(Guide, PairsOfOnePlaceMakeItsViewMoreCertain) {
+  Holder holder(kRig);
+  const View exact = holder.exact(0);
+  const auto rms_px = [&](const View& view) {
+    double squared = 0.0;
+    for (std::size_t i = 0; i < view.left.size(); ++i) squared += (view.left[i].px - exact.left[i].px).squaredNorm();
+    return std::sqrt(squared / static_cast<double>(view.left.size()));
+  };
+  Guide guide(holder.board, 512, 384, {});
+  const Look first = holder.look(0);
+  ASSERT_EQ(guide.judge(first), Refusal::none);
+  guide.take(first.view);
+  const double once_px = rms_px(guide.views()[0]);
+  for (int k = 0; k < 15; ++k) {
+    const Look again = holder.look(0);
+    const Refusal refusal = guide.judge(again);
+    ASSERT_TRUE(guide.improves_last(again, refusal));
+    guide.improve_last(again.view);
+  }
+  EXPECT_EQ(guide.views().size(), 1U) << "it is one view";
+  EXPECT_LT(rms_px(guide.views()[0]), 0.35 * once_px);
+  const Look elsewhere = holder.look(1);
+  EXPECT_FALSE(guide.improves_last(elsewhere, guide.judge(elsewhere)));
+  Look shifted = holder.look(0);
+  for (auto& corner : shifted.view.left) corner.px.x() += 2.0;
+  EXPECT_FALSE(guide.improves_last(shifted, Refusal::alike)) << "two pixels are another place";
+  EXPECT_FALSE(guide.improves_last(holder.look(0), Refusal::moving));
+  Look in_part = holder.look(0);
+  in_part.view.right.resize(40);
+  EXPECT_FALSE(guide.improves_last(in_part, Refusal::alike)) << "it would lose corners";
 }
 
 TEST(Guide, EdgesThatAreBlurredAreWide) {

@@ -88,12 +88,12 @@ TEST(SimulatedBoard, CornersOfEveryKindThroughEveryLensAreFoundWhereTheyAre) {
     double most_px;
   };
   const Row rows[] = {
-      {"chessboard:9x6:0.03", "none", "focal_px=560", 0.10},
-      {"chessboard:9x6:0.03", "plumb_bob", "focal_px=560,rig_seed=3", 0.10},
-      {"chessboard:9x6:0.03", "rational", "focal_px=400", 0.10},
-      {"chessboard:9x6:0.03", "equidistant", "focal_px=200,baseline_m=0.06", 0.12},
-      {"charuco:9x7:0.03", "plumb_bob", "focal_px=560", 0.15},
-      {"aprilgrid:4x3:0.06", "plumb_bob", "focal_px=560", 0.25},
+      {"chessboard:9x6:0.03", "none", "focal_px=560", 0.02},
+      {"chessboard:9x6:0.03", "plumb_bob", "focal_px=560,rig_seed=3", 0.02},
+      {"chessboard:9x6:0.03", "rational", "focal_px=400", 0.02},
+      {"chessboard:9x6:0.03", "equidistant", "focal_px=200,baseline_m=0.06", 0.04},
+      {"charuco:9x7:0.03", "plumb_bob", "focal_px=560", 0.02},
+      {"aprilgrid:4x3:0.06", "plumb_bob", "focal_px=560", 0.02},
       {"circles:7x5:0.04", "none", "focal_px=560", 0.35},
   };
   for (const Row& row : rows) {
@@ -226,7 +226,7 @@ TEST(SimulatedBoard, WhatMovesBeforeCamerasThatDoNotExposeTogetherIsLeftOut) {
   const auto [still, of_still] = calibrated(30.0);
   EXPECT_GT(still.moving, 60);
   EXPECT_GE(still.views.size(), 12U);
-  EXPECT_LT(of_still.adjusted.sigma_px, 0.12);
+  EXPECT_LT(of_still.adjusted.sigma_px, 0.02);
   EXPECT_TRUE(of_still.dropped_views.empty());
   EXPECT_NEAR(of_still.rig().T_right_left.t.norm(), 0.12, 2e-4);
 }
