@@ -127,9 +127,10 @@ TEST(Adversarial, AHundredCasesWithoutAnUnreportedFailure) {
   run_cases(0, 100, [](Kind) { return true; });
 }
 
-// Running ground, a camera that hangs, one that is covered (and after), a glow and a lorry, found by the long run.
+// Running ground, a camera that hangs, one that is covered (and after), a glow, a lorry, and rolling shutters after a
+// gap, found by the long run.
 TEST(Adversarial, CasesThatOnceLiedDoNoMore) {
-  for (const std::uint64_t once : {796, 1109, 1701, 3328, 4852, 5201, 7516})
+  for (const std::uint64_t once : {796, 1109, 1701, 3328, 4852, 5201, 7516, 1003172, 1003185})
     run_cases(once, 1, [](Kind) { return true; });
 }
 #endif
