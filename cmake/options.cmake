@@ -12,6 +12,17 @@ if(CLIQUEVO_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(CMAKE_CXX_COMPILER_LAUNCHER ${CLIQUEVO_CCACHE})
 endif()
 
+# Several sources compiled as one: headers are read once for all of them, which halves the time of a first build. Not for
+# who works on the sources: a change compiles its neighbours again.
+option(CLIQUEVO_UNITY "Compile a library's sources together" OFF)
+set(CMAKE_UNITY_BUILD ${CLIQUEVO_UNITY})
+set(CMAKE_UNITY_BUILD_BATCH_SIZE 8)
+# Sources that cannot be: a macro of a system header has the name of another source's constant; g++ takes the Impl of a
+# class for a header's, and warns of its members; or a program may link the library without them, or with others instead.
+function(cliquevo_compile_alone)
+  set_source_files_properties(${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+endfunction()
+
 set(CLIQUEVO_SANITIZE "" CACHE STRING "Sanitizers to build with, e.g. address,undefined or thread")
 
 add_library(cliquevo_options INTERFACE)

@@ -17,7 +17,7 @@ using namespace cliquevo::daemon;
 int run_line(int argc, char** argv) {
   CLI::App app(kDaemonPurpose, "cliquevod");
   DaemonOptions options;
-  add_daemon_options(app, options);
+  add_daemon_options(cliquevo::CliCommand(app), options);
   app.set_version_flag("--version", std::string(CLIQUEVO_VERSION) + " (sources: " + built_in_sources() + ")");
   try {
     app.parse(argc, argv);

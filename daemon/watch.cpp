@@ -14,7 +14,7 @@ namespace cliquevo::daemon {
 
 namespace {
 
-constexpr std::int64_t kTickNs = 100'000'000;  // how often the watchdog is fed
+constexpr std::int64_t kWatchdogTickNs = 100'000'000;  // how often the watchdog is fed
 constexpr std::int64_t kReportNs = 1'000'000'000;
 
 // What the user should know of the rig, once each.
@@ -70,7 +70,7 @@ void watch(const Watched& watched, const Signals& signals, const std::function<v
     if (!done) watched.commands.incidents().add(done.error().line());
   };
   while (!watched.pipeline.wait_finished(0)) {
-    const int signal = signals.wait(kTickNs);
+    const int signal = signals.wait(kWatchdogTickNs);
     if (signal == SIGTERM || signal == SIGINT) {
       spdlog::info("stopping on signal {}", signal);
       break;

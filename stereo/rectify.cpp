@@ -75,7 +75,9 @@ CameraCalibration pinhole(const StereoModel& m, double doffs_px) {
   return out;
 }
 
-struct Map {
+}  // namespace
+
+struct RectifierMap {
   int raw_width = 0;
   int raw_height = 0;
   int width = 0;
@@ -103,8 +105,10 @@ struct Map {
   }
 };
 
+namespace {
+
 // Where all sources of a block lie close together: the patch that holds them, and their places in it.
-void find_patch(Map& map, std::size_t first, RemapRow::Patch& patch) {
+void find_patch(RectifierMap& map, std::size_t first, RemapRow::Patch& patch) {
   const auto x = map.x.begin() + static_cast<std::ptrdiff_t>(first);
   const auto y = map.y.begin() + static_cast<std::ptrdiff_t>(first);
   const auto [left, right] = std::minmax_element(x, x + RemapRow::kBlock);
@@ -122,7 +126,7 @@ void find_patch(Map& map, std::size_t first, RemapRow::Patch& patch) {
 
 // Where each pixel of the rectified image comes from; the share of pixels that have a source.
 double fill_map(const CameraCalibration& camera, const Eigen::Matrix3d& R, const StereoModel& model, double cx_px,
-                Map& map) {
+                RectifierMap& map) {
   const CameraProjection projection(camera);
   map.raw_width = camera.width;
   map.raw_height = camera.height;
@@ -173,7 +177,7 @@ double readout_s(const StereoCalibration& calibration, const StereoModel& model)
 struct Rectifier::Impl {
   StereoModel model;
   bool identity = false;
-  Map left, right;
+  RectifierMap left, right;
   // Raw images' sizes, and memory for their halves; empty = they are taken as they are.
   int left_width = 0;
   int left_height = 0;
@@ -182,7 +186,7 @@ struct Rectifier::Impl {
   mutable std::vector<Image<std::uint8_t>> left_halves, right_halves;
   const kernels::Table& kernel = kernels::active();
 
-  const Map& map(CameraSide side) const { return side == CameraSide::left ? left : right; }
+  const RectifierMap& map(CameraSide side) const { return side == CameraSide::left ? left : right; }
   void prepare(const CameraCalibration& l, const CameraCalibration& r) {
     left_width = l.width;
     left_height = l.height;
@@ -270,7 +274,7 @@ Result<void> Rectifier::rectify(CameraSide side, ImageView<const std::uint8_t> r
     for (int y = 0; y < out.height; ++y) std::memcpy(out.row(y), raw.row(y), static_cast<std::size_t>(out.width));
     return {};
   }
-  const Map& map = impl_->map(side);
+  const RectifierMap& map = impl_->map(side);
   const ImageView<const std::uint8_t> from = impl_->source(side, raw, halve);
   for (int y = 0; y < out.height; ++y) {
     impl_->kernel.remap_row(from.data, from.stride, map.row(y), out.width, out.row(y));

@@ -231,33 +231,31 @@ int test(const TestArguments& arguments) {
 
 }  // namespace
 
-void add_cameras_command(CLI::App& app, int& exit_code) {
+void add_cameras_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<TestArguments>();
-  CLI::App* cameras = app.add_subcommand("cameras", "List the cameras that can be seen, or test a rig of them");
-  cameras->require_subcommand(0, 1);
+  const CliCommand cameras = app.add_subcommand("cameras", "List the cameras that can be seen, or test a rig of them");
+  cameras.require_subcommand(0, 1);
   auto as_json = std::make_shared<bool>(false);
-  cameras->add_flag("--json", *as_json, "Print JSON; no camera is an empty list then, not an error");
-  CLI::App* tests = cameras->add_subcommand("test", "Start and stop a rig three times: rate, skew, what is missing");
-  daemon::add_config_options(*tests, arguments->config, "Configuration with the cameras");
-  tests->get_option("--config")->required();
-  tests->add_option("--seconds", arguments->seconds, "Of each run (default 5)")
-      ->check(CLI::Range(0.5, 3600.0))
-      ->type_name("S");
-  CLI::Option* json = tests->add_flag("--json", arguments->json, "Print JSON: each run's figures and complaints");
-  tests->add_flag("--unplug", arguments->unplug, "Also test the loss of a camera: it has to be unplugged")
-      ->excludes(json);
-  tests
-      ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S");
-  tests->footer(
+  cameras.add_flag("--json", *as_json, "Print JSON; no camera is an empty list then, not an error");
+  const CliCommand tests =
+      cameras.add_subcommand("test", "Start and stop a rig three times: rate, skew, what is missing");
+  daemon::add_config_options(tests, arguments->config, "Configuration with the cameras");
+  tests.get_option("--config").required();
+  tests.add_option("--seconds", arguments->seconds, "Of each run (default 5)").between(0.5, 3600.0).type_name("S");
+  const CliOption json = tests.add_flag("--json", arguments->json, "Print JSON: each run's figures and complaints");
+  tests.add_flag("--unplug", arguments->unplug, "Also test the loss of a camera: it has to be unplugged")
+      .excludes(json);
+  tests.add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
+      .not_negative()
+      .type_name("S");
+  tests.footer(
       "Passes when each run's rate is within 5 %, at most 1 % of the exposures gave no pair and the cameras expose "
       "within\n"
       "a quarter period. Exit codes: 0 passed; 1 bad input or environment; 2 wrong usage; 3 failed.");
-  cameras->footer("Printed with each: what source.cameras.left and right take (config/cliquevo.yaml).");
-  tests->callback([arguments, &exit_code] { exit_code = test(*arguments); });
-  cameras->callback([cameras, as_json, &exit_code] {
-    if (cameras->get_subcommands().empty()) exit_code = *as_json ? list_as_json() : list();
+  cameras.footer("Printed with each: what source.cameras.left and right take (config/cliquevo.yaml).");
+  tests.callback([arguments, &exit_code] { exit_code = test(*arguments); });
+  cameras.callback([cameras, as_json, &exit_code] {
+    if (!cameras.has_chosen_subcommand()) exit_code = *as_json ? list_as_json() : list();
   });
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "daemon/pipeline/cli_command.h"
 
 namespace cliquevo::tools {
 
-void add_cameras_command(CLI::App& app, int& exit_code);
+void add_cameras_command(CliCommand app, int& exit_code);
 
 }  // namespace cliquevo::tools

@@ -5,25 +5,25 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
+#include "daemon/pipeline/cli_command.h"
 
 namespace cliquevo::tools {
 
-void add_replay_command(CLI::App& app, int& exit_code);
-void add_eval_command(CLI::App& app, int& exit_code);
-void add_config_command(CLI::App& app, int& exit_code);
-void add_compare_command(CLI::App& app, int& exit_code);
-void add_info_command(CLI::App& app, int& exit_code);
-void add_mavlink_command(CLI::App& app, int& exit_code);
-void add_ros2_command(CLI::App& app, int& exit_code);
-void add_disparity_command(CLI::App& app, int& exit_code);
-void add_echo_command(CLI::App& app, int& exit_code);
-void add_watch_command(CLI::App& app, int& exit_code);
+void add_replay_command(CliCommand app, int& exit_code);
+void add_eval_command(CliCommand app, int& exit_code);
+void add_config_command(CliCommand app, int& exit_code);
+void add_compare_command(CliCommand app, int& exit_code);
+void add_info_command(CliCommand app, int& exit_code);
+void add_mavlink_command(CliCommand app, int& exit_code);
+void add_ros2_command(CliCommand app, int& exit_code);
+void add_disparity_command(CliCommand app, int& exit_code);
+void add_echo_command(CliCommand app, int& exit_code);
+void add_watch_command(CliCommand app, int& exit_code);
 
 // Only in a program that can draw (tools/drawing.h).
 inline constexpr const char* kCalibratePurpose =
     "Calibrate a stereo rig from views of a board, or correct it by driving";
 inline constexpr const char* kViewPurpose = "See what it sees: a page for the browser, live or of a recording";
-void add_view_command(CLI::App& app, int& exit_code, const std::string& version);
+void add_view_command(CliCommand app, int& exit_code, const std::string& version);
 
 }  // namespace cliquevo::tools

@@ -72,28 +72,27 @@ int run(const CompareArguments& arguments) {
 
 }  // namespace
 
-void add_compare_command(CLI::App& app, int& exit_code) {
+void add_compare_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<CompareArguments>();
-  CLI::App* compare =
+  const CliCommand compare =
       app.add_subcommand("compare", "Two runs, or two folders of runs, side by side: is B worse than A?");
-  compare->add_option("A", arguments->a, "Statistics that replay --stats wrote, or a folder of such files")->required();
-  compare->add_option("B", arguments->b, "The same of what is judged; files of folders belong together by name")
-      ->required();
-  compare->add_option("--gate", arguments->gates.accuracy, "B may be so many times worse in each figure of accuracy")
-      ->check(CLI::Range(1.0, 1e6))
-      ->capture_default_str()
-      ->type_name("R");
+  compare.add_option("A", arguments->a, "Statistics that replay --stats wrote, or a folder of such files").required();
+  compare.add_option("B", arguments->b, "The same of what is judged; files of folders belong together by name")
+      .required();
+  compare.add_option("--gate", arguments->gates.accuracy, "B may be so many times worse in each figure of accuracy")
+      .between(1.0, 1e6)
+      .capture_default_str()
+      .type_name("R");
   compare
-      ->add_option_function<double>(
+      .add_option_function<double>(
           "--time-gate", [arguments](const double& gate) { arguments->gates.time = gate; },
           "The same of times, which else are listed and not judged: another program may have run beside")
-      ->check(CLI::Range(1.0, 1e6))
-      ->type_name("R");
-  compare->add_flag("--json", arguments->json, "Print JSON instead of the table");
-  compare->add_option("--out", arguments->out, "Write the JSON into a file as well")->type_name("FILE.json");
-  compare->add_option("--report", arguments->report, "Write the tables as a page into one file")
-      ->type_name("FILE.html");
-  compare->footer(
+      .between(1.0, 1e6)
+      .type_name("R");
+  compare.add_flag("--json", arguments->json, "Print JSON instead of the table");
+  compare.add_option("--out", arguments->out, "Write the JSON into a file as well").type_name("FILE.json");
+  compare.add_option("--report", arguments->report, "Write the tables as a page into one file").type_name("FILE.html");
+  compare.footer(
       "Judged are segments, rotation, end and ATE (against the reference), failed frames, skipped pairs and quality, "
       "of\n"
       "each sequence and in all. Exit codes: 0 not worse; 1 bad input; 2 wrong usage; 3 worse than the gate.\n"
@@ -101,7 +100,7 @@ void add_compare_command(CLI::App& app, int& exit_code) {
       "  cliquevo replay sim --stats a.json; cliquevo replay sim --config new.yaml --stats b.json\n"
       "  cliquevo compare a.json b.json --gate 1.05\n"
       "  cliquevo compare runs/release runs/mine --json");
-  compare->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  compare.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

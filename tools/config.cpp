@@ -5,9 +5,9 @@
 #include <string>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "daemon/pipeline/cli_command.h"
 #include "daemon/pipeline/command_line.h"
 #include "tools/commands.h"
 #include "tools/completion.h"
@@ -21,12 +21,8 @@ namespace cliquevo::tools {
 namespace {
 
 // What the distribution's packages carry, written from the options of both programs.
-Result<void> write_pages(const CLI::App& app, const std::string& version, const std::string& folder) {
-  CLI::App daemon_app(daemon::kDaemonPurpose, "cliquevod");
-  daemon::DaemonOptions ignored;
-  daemon::add_daemon_options(daemon_app, ignored);
-  daemon_app.set_version_flag("--version", version);
-  const CompletionWords words{{describe_app(app), describe_app(daemon_app)}, config_settings()};
+Result<void> write_pages(CliCommand app, const std::string& version, const std::string& folder) {
+  const CompletionWords words{{describe_app(app), describe_daemon(version)}, config_settings()};
   std::error_code failed;
   std::filesystem::create_directories(folder, failed);
   const std::pair<const char*, std::string> files[] = {{"cliquevo.1", man_page(words.programs[0], 1, version)},
@@ -44,21 +40,21 @@ Result<void> write_pages(const CLI::App& app, const std::string& version, const 
 
 }  // namespace
 
-void add_config_command(CLI::App& app, int& exit_code) {
-  CLI::App* config = app.add_subcommand("config", "Print a sample configuration, the page on it, or a schema");
+void add_config_command(CliCommand app, int& exit_code) {
+  const CliCommand config = app.add_subcommand("config", "Print a sample configuration, the page on it, or a schema");
   auto what = std::make_shared<std::string>("sample");
   auto folder = std::make_shared<std::string>();
   config
-      ->add_option("WHAT", *what,
-                   "sample (every key with its default), page, schema; pages: man pages and shell completion, "
-                   "written to --out")
-      ->check(CLI::IsMember({"sample", "page", "schema", "pages"}));
-  config->add_option("--out", *folder, "Folder for `pages`")->type_name("DIR");
-  config->footer(
+      .add_option("WHAT", *what,
+                  "sample (every key with its default), page, schema; pages: man pages and shell completion, "
+                  "written to --out")
+      .one_of({"sample", "page", "schema", "pages"});
+  config.add_option("--out", *folder, "Folder for `pages`").type_name("DIR");
+  config.footer(
       "Examples:\n"
       "  cliquevo config sample > rig.yaml\n"
       "  cliquevo config pages --out pages && source pages/cliquevo.bash && man -l pages/cliquevo.1");
-  config->callback([&app, what, folder, &exit_code] {
+  config.callback([app, what, folder, &exit_code] {
     if ((*what == "pages") != !folder->empty()) {
       exit_code = report({"wrong usage", "config", "give --out DIR with pages, and with nothing else"}, kWrongUsage);
       return;

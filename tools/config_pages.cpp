@@ -19,7 +19,7 @@ using daemon::Config;
 using daemon::Key;
 using daemon::KeyTable;
 using daemon::Section;
-using json = nlohmann::ordered_json;
+using nlohmann::ordered_json;
 
 constexpr std::size_t kWidth = 120;
 
@@ -52,7 +52,7 @@ std::string limits(const Key& key) {
 }
 
 // Words that fit behind `indent`, line by line.
-std::vector<std::string> wrapped(const std::string& text, std::size_t width) {
+std::vector<std::string> wrapped_lines(const std::string& text, std::size_t width) {
   std::vector<std::string> lines{""};
   std::size_t begin = 0;
   while (begin < text.size()) {
@@ -85,7 +85,7 @@ std::string commented(const std::string& text, const std::string& comment) {
   if (comment.empty()) return out + "\n";
   const std::size_t column = std::max(kColumn, text.size() + 2);
   bool first = true;
-  for (const std::string& line : wrapped(comment, kWidth - 2 - column)) {
+  for (const std::string& line : wrapped_lines(comment, kWidth - 2 - column)) {
     out += std::string(column - (first ? text.size() : 0), ' ') + "# " + line + "\n";
     first = false;
   }
@@ -97,8 +97,8 @@ std::string sentence(const Key& key) {
   return behind.empty() ? key.meaning : fmt::format("{} [{}]", key.meaning, behind);
 }
 
-json schema_of(const Key& key) {
-  json out;
+ordered_json schema_of(const Key& key) {
+  ordered_json out;
   out["description"] = sentence(key);
   const auto number = [&](const char* type) {
     out["type"] = type;
@@ -121,7 +121,7 @@ json schema_of(const Key& key) {
     if (key.range.high) out["maxLength"] = *key.range.high;
   } else if (std::holds_alternative<std::optional<double>*>(key.field)) {
     number("number");
-    json value = out;
+    ordered_json value = out;
     value.erase("description");
     out = {{"description", sentence(key)}, {"anyOf", {value, {{"const", "auto"}}}}};
   } else {
@@ -158,7 +158,8 @@ std::string config_sample() {
     if (key.group != group) {
       group = key.group;
       out += "\n";
-      for (const std::string& line : wrapped(group, kWidth - 2 - indent.size())) out += indent + "# " + line + "\n";
+      for (const std::string& line : wrapped_lines(group, kWidth - 2 - indent.size()))
+        out += indent + "# " + line + "\n";
     }
     out += commented(indent + last_part(key.name) + ": " + yaml_value(key), sentence(key));
   }
@@ -193,13 +194,13 @@ std::string config_page() {
 
 std::string config_schema() {
   const Defaults defaults;
-  json root;
+  ordered_json root;
   root["$schema"] = "http://json-schema.org/draft-07/schema#";
   root["title"] = "cliquevo configuration";
   root["type"] = "object";
   root["additionalProperties"] = false;
-  const auto object_at = [&root](const std::string& name) -> json& {
-    json* node = &root;
+  const auto object_at = [&root](const std::string& name) -> ordered_json& {
+    ordered_json* node = &root;
     std::size_t begin = 0;
     while (begin <= name.size()) {
       const std::size_t end = std::min(name.find('.', begin), name.size());
@@ -209,7 +210,7 @@ std::string config_schema() {
     return *node;
   };
   for (const Section& section : defaults.table.sections()) {
-    json& object = object_at(section.name);
+    ordered_json& object = object_at(section.name);
     object["description"] = section.meaning;
     object["type"] = {"object", "null"};
     object["additionalProperties"] = false;

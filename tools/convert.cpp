@@ -175,6 +175,7 @@ Result<std::unique_ptr<Target>> make_target(const ConvertArguments& arguments, c
   if (form == "mcap") return make_bag(arguments, info);
   return make_folder(arguments, info, form);
 }
+
 int run(const ConvertArguments& arguments) {
   if (auto usable = check_source(arguments.source); !usable) return report(usable.error(), kWrongUsage);
   auto source = open_source(arguments.source, daemon::default_config().source);
@@ -223,32 +224,31 @@ int run(const ConvertArguments& arguments) {
 
 }  // namespace
 
-void add_convert_command(CLI::App& app, int& exit_code) {
+void add_convert_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<ConvertArguments>();
-  CLI::App* convert =
+  const CliCommand convert =
       app.add_subcommand("convert", "Turn a recording into an LCM log, an MCAP, a KITTI or an EuRoC folder");
-  convert->add_option("SOURCE", arguments->source.text, "A recording (folder or log), sim, or sim:key=value,...")
-      ->required();
-  convert->add_option("OUT", arguments->out, "New log (FILE.lcm), bag (FILE.mcap) or folder")->required();
+  convert.add_option("SOURCE", arguments->source.text, "A recording (folder or log), sim, or sim:key=value,...")
+      .required();
+  convert.add_option("OUT", arguments->out, "New log (FILE.lcm), bag (FILE.mcap) or folder").required();
   convert
-      ->add_option(
-          "--to", arguments->to,
-          "log, mcap, kitti (rectified pairs), or euroc (as grabbed); default: by OUT's name, else by what the "
-          "source holds")
-      ->check(CLI::IsMember({"log", "mcap", "kitti", "euroc"}))
-      ->type_name("FORM");
-  convert->add_option("--config", arguments->config, "Of an MCAP: where the camera sits on the body (section body)")
-      ->type_name("FILE");
-  add_calibration_options(*convert, arguments->source);
-  add_recording_options(*convert, arguments->source);
-  convert->footer(
+      .add_option("--to", arguments->to,
+                  "log, mcap, kitti (rectified pairs), or euroc (as grabbed); default: by OUT's name, else by what the "
+                  "source holds")
+      .one_of({"log", "mcap", "kitti", "euroc"})
+      .type_name("FORM");
+  convert.add_option("--config", arguments->config, "Of an MCAP: where the camera sits on the body (section body)")
+      .type_name("FILE");
+  add_calibration_options(convert, arguments->source);
+  add_recording_options(convert, arguments->source);
+  convert.footer(
       "Pixels and stamps are kept as they are, but for kitti, which is rectified on the way where it must be.\n"
       "Examples:\n"
       "  cliquevo convert drive.lcm drive.mcap\n"
       "  cliquevo convert drive.lcm drive_euroc\n"
       "  cliquevo convert drive.lcm drive_kitti --to kitti\n"
       "  cliquevo convert /data/indoor indoor.lcm");
-  convert->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  convert.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

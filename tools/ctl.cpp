@@ -64,21 +64,21 @@ Result<std::string> status_summary(const std::string& json) {
   return out;
 }
 
-void add_ctl_command(CLI::App& app, int& exit_code) {
+void add_ctl_command(CliCommand app, int& exit_code) {
   auto options = std::make_shared<CtlOptions>();
-  CLI::App* ctl = app.add_subcommand("ctl", "Send the running daemon a command, or show its status");
-  ctl->add_option("--socket", options->socket, "The daemon's control.socket")->type_name("PATH")->capture_default_str();
-  ctl->require_subcommand(1);
-  ctl->fallthrough();  // --socket may come behind
+  const CliCommand ctl = app.add_subcommand("ctl", "Send the running daemon a command, or show its status");
+  ctl.add_option("--socket", options->socket, "The daemon's control.socket").type_name("PATH").capture_default_str();
+  ctl.require_subcommand();
+  ctl.fallthrough();  // --socket may come behind
   for (const auto& [request, text] :
        {std::pair{"reset", "The next frame is the pose's origin"},
         std::pair{"record-start", "Begin a recording in recording.folder; nothing happens while one is written"},
         std::pair{"record-stop", "End the recording"}, std::pair{"status", "State, rates, latency, recording"}}) {
-    CLI::App* one = ctl->add_subcommand(request, text);
-    if (std::string(request) == "status") one->add_flag("--json", options->json, "As JSON, with every figure");
-    one->callback([options, &exit_code, word = std::string(request)] { exit_code = send(*options, word); });
+    const CliCommand one = ctl.add_subcommand(request, text);
+    if (std::string(request) == "status") one.add_flag("--json", options->json, "As JSON, with every figure");
+    one.callback([options, &exit_code, word = std::string(request)] { exit_code = send(*options, word); });
   }
-  ctl->footer(
+  ctl.footer(
       "The socket is for the daemon's user and group: usermod -aG cliquevo USER lets USER command it.\n"
       "Examples:\n"
       "  cliquevo ctl status\n"

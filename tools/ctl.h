@@ -4,13 +4,12 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "core/base/result.h"
+#include "daemon/pipeline/cli_command.h"
 
 namespace cliquevo::tools {
 
-void add_ctl_command(CLI::App& app, int& exit_code);
+void add_ctl_command(CliCommand app, int& exit_code);
 
 // The daemon's status, JSON in one line, as some lines for people.
 Result<std::string> status_summary(const std::string& json);

@@ -137,24 +137,24 @@ int run(const DisparityArguments& arguments) {
 
 }  // namespace
 
-void add_disparity_command(CLI::App& app, int& exit_code) {
+void add_disparity_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<DisparityArguments>();
-  CLI::App* disparity = app.add_subcommand("disparity", "Dense disparity of one rectified pair of images");
-  disparity->add_option("LEFT", arguments->left, "Left image, rectified; colour becomes grey")->required();
-  disparity->add_option("RIGHT", arguments->right, "Right image of the same size")->required();
-  disparity->add_option("--out", arguments->out, "Disparity: 16-bit PNG, px * 256, 0 = unknown")
-      ->required()
-      ->type_name("FILE.png");
-  disparity->add_option("--max-disparity", arguments->max_disparity, "Number of disparities searched, from 0")
-      ->check(CLI::Range(1, kMostDisparities))
-      ->capture_default_str()
-      ->type_name("N");
-  disparity->add_option("--color", arguments->color, "Also a picture to look at: near red, far blue, unknown black")
-      ->type_name("FILE.png");
-  disparity->footer(
+  const CliCommand disparity = app.add_subcommand("disparity", "Dense disparity of one rectified pair of images");
+  disparity.add_option("LEFT", arguments->left, "Left image, rectified; colour becomes grey").required();
+  disparity.add_option("RIGHT", arguments->right, "Right image of the same size").required();
+  disparity.add_option("--out", arguments->out, "Disparity: 16-bit PNG, px * 256, 0 = unknown")
+      .required()
+      .type_name("FILE.png");
+  disparity.add_option("--max-disparity", arguments->max_disparity, "Number of disparities searched, from 0")
+      .between(1, kMostDisparities)
+      .capture_default_str()
+      .type_name("N");
+  disparity.add_option("--color", arguments->color, "Also a picture to look at: near red, far blue, unknown black")
+      .type_name("FILE.png");
+  disparity.footer(
       "Example:\n"
       "  cliquevo disparity left.png right.png --out disparity.png --max-disparity 64 --color look.png");
-  disparity->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  disparity.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

@@ -70,15 +70,16 @@ int run(const DoctorOptions& options) {
 
 }  // namespace
 
-void add_doctor_command(CLI::App& app, int& exit_code) {
+void add_doctor_command(CliCommand app, int& exit_code) {
   auto options = std::make_shared<DoctorOptions>();
-  CLI::App* doctor = app.add_subcommand("doctor", "List what a real-time vehicle needs and what this machine has");
+  const CliCommand doctor =
+      app.add_subcommand("doctor", "List what a real-time vehicle needs and what this machine has");
   daemon::add_config_options(
-      *doctor, options->config,
+      doctor, options->config,
       "Configuration whose LCM URL, source and calibration are looked at (default: as cliquevod)");
-  doctor->add_flag("--strict", options->strict, "Exit with 3 unless everything is ok");
-  doctor->add_flag("--json", options->json, "Print JSON: subject, verdict (ok, advice, missing), found, remedy");
-  doctor->callback([options, &exit_code] { exit_code = run(*options); });
+  doctor.add_flag("--strict", options->strict, "Exit with 3 unless everything is ok");
+  doctor.add_flag("--json", options->json, "Print JSON: subject, verdict (ok, advice, missing), found, remedy");
+  doctor.callback([options, &exit_code] { exit_code = run(*options); });
 }
 
 }  // namespace cliquevo::tools

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <nlohmann/json_fwd.hpp>
 
 #include "core/base/result.h"
+#include "daemon/pipeline/cli_command.h"
 #include "daemon/pipeline/trajectory_file.h"
 #include "tools/plot.h"
 #include "tools/run_log.h"
@@ -53,6 +53,6 @@ class Drawing {
 // line and returns only when that cannot be run, with the reason.
 Result<const Drawing*> find_drawing(const std::string& option);
 // Sub-commands of which nothing is left without drawing; in a program without it they are handed over.
-void add_drawing_commands(CLI::App& app, int& exit_code, const std::string& version);
+void add_drawing_commands(CliCommand app, int& exit_code, const std::string& version);
 
 }  // namespace cliquevo::tools

@@ -71,21 +71,21 @@ int run(const EchoArguments& arguments) {
 
 }  // namespace
 
-void add_echo_command(CLI::App& app, int& exit_code) {
+void add_echo_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<EchoArguments>();
-  CLI::App* echo = app.add_subcommand("echo", "Print the messages of a channel as they come");
-  echo->add_option("CHANNEL", arguments->channel, "POSE_BODY, VO_DELTA_CAMERA, VO_STATUS, VO_HEALTH, ...")->required();
-  echo->add_flag("--json", arguments->json, "A line of JSON a message");
-  echo->add_option("--count", arguments->count, "End after so many messages (default: with Ctrl-C)")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000'000}))
-      ->type_name("N");
-  echo->add_option("--lcm", arguments->url, "LCM URL")->type_name("URL")->capture_default_str();
-  echo->footer(
+  const CliCommand echo = app.add_subcommand("echo", "Print the messages of a channel as they come");
+  echo.add_option("CHANNEL", arguments->channel, "POSE_BODY, VO_DELTA_CAMERA, VO_STATUS, VO_HEALTH, ...").required();
+  echo.add_flag("--json", arguments->json, "A line of JSON a message");
+  echo.add_option("--count", arguments->count, "End after so many messages (default: with Ctrl-C)")
+      .between(std::int64_t{1}, std::int64_t{1'000'000'000})
+      .type_name("N");
+  echo.add_option("--lcm", arguments->url, "LCM URL").type_name("URL").capture_default_str();
+  echo.footer(
       "Of images the sizes and the camera are printed, not the pixels.\n"
       "Examples:\n"
       "  cliquevo echo VO_HEALTH\n"
       "  cliquevo echo POSE_BODY --json | jq .pos");
-  echo->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  echo.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

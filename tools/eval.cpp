@@ -126,66 +126,64 @@ int run_eval(const EvalArguments& arguments) {
 }
 
 // nan is above nothing and below nothing: so test for what is allowed, not for what is not.
-CLI::Validator in_range(double least, double most, bool (*taken)(double, double), const std::string& what) {
-  return CLI::Validator(
-      [=](const std::string& text) {
-        double value = 0.0;
-        const bool number = CLI::detail::lexical_cast(text, value);
-        return number && taken(value, least) && value <= most ? std::string() : "'" + text + "' is not " + what;
-      },
-      "");
+std::function<std::string(const std::string&)> in_range(double least, double most, bool (*taken)(double, double),
+                                                        const std::string& what) {
+  return [=](const std::string& text) {
+    double value = 0.0;
+    const bool number = read_number(text, value);
+    return number && taken(value, least) && value <= most ? std::string() : "'" + text + "' is not " + what;
+  };
 }
 
 }  // namespace
 
-void add_eval_command(CLI::App& app, int& exit_code) {
-  const CLI::Validator is_length = in_range(
+void add_eval_command(CliCommand app, int& exit_code) {
+  const auto is_length = in_range(
       0.0, 1e9, [](double value, double least) { return value > least; }, "a length in m");
-  const CLI::Validator is_tolerance = in_range(
+  const auto is_tolerance = in_range(
       0.0, 1e6, [](double value, double least) { return value >= least; }, "a time from 0 to 1000000 s");
   auto arguments = std::make_shared<EvalArguments>();
-  CLI::App* eval =
+  const CliCommand eval =
       app.add_subcommand("eval", "Compare a trajectory with its reference: segment errors, ATE, RPE, drift");
-  eval->add_option("--reference,REFERENCE", arguments->reference,
-                   "Trajectory held to be true (KITTI or TUM format, EuRoC's data.csv, KITTI-360's cam0_to_world.txt)")
-      ->required()
-      ->type_name("FILE");
-  eval->add_option("--estimate,ESTIMATE", arguments->estimate,
-                   "Trajectory to judge (KITTI beside KITTI, TUM beside TUM and EuRoC)")
-      ->required()
-      ->type_name("FILE");
-  eval->add_option("--lengths", arguments->options.lengths_m, "Lengths of the segments, m, with commas between")
-      ->delimiter(',')
-      ->check(is_length)
-      ->capture_default_str()
-      ->type_name("L,L,...");
-  eval->add_option("--tolerance", arguments->tolerance_s, "Poses this close in time belong together, s (TUM)")
-      ->check(is_tolerance)
-      ->capture_default_str()
-      ->type_name("S");
-  eval->add_option(
-          "--sample-period", arguments->options.sample_period_s,
-          "Also compare the lengths of both paths over poses this far apart, s (TUM): jitter adds up otherwise")
-      ->check(is_length)
-      ->type_name("S");
-  eval->add_option_function<std::string>(
+  eval.add_option("--reference,REFERENCE", arguments->reference,
+                  "Trajectory held to be true (KITTI or TUM format, EuRoC's data.csv, KITTI-360's cam0_to_world.txt)")
+      .required()
+      .type_name("FILE");
+  eval.add_option("--estimate,ESTIMATE", arguments->estimate,
+                  "Trajectory to judge (KITTI beside KITTI, TUM beside TUM and EuRoC)")
+      .required()
+      .type_name("FILE");
+  eval.add_option("--lengths", arguments->options.lengths_m, "Lengths of the segments, m, with commas between")
+      .delimiter(',')
+      .checked_by(is_length)
+      .capture_default_str()
+      .type_name("L,L,...");
+  eval.add_option("--tolerance", arguments->tolerance_s, "Poses this close in time belong together, s (TUM)")
+      .checked_by(is_tolerance)
+      .capture_default_str()
+      .type_name("S");
+  eval.add_option("--sample-period", arguments->options.sample_period_s,
+                  "Also compare the lengths of both paths over poses this far apart, s (TUM): jitter adds up otherwise")
+      .checked_by(is_length)
+      .type_name("S");
+  eval.add_option_function<std::string>(
           "--reference-frame", [arguments](const std::string& frame) { arguments->body_frame = frame == "body"; },
           "Axes of the reference's poses: camera (Z forward, Y down) or body (X forward, Z up); default camera")
-      ->check(CLI::IsMember({"camera", "body"}))
-      ->type_name("FRAME");
-  eval->add_flag("--json", arguments->json, "Print JSON instead of the table");
-  eval->add_option("--plot", arguments->plot,
-                   "Draw both trajectories and the error over distance: PNG, SVG or PDF by ending")
-      ->type_name("FILE.png|svg|pdf");
-  eval->add_option("--report", arguments->report, "Write a page with map, errors and tables into one file")
-      ->type_name("FILE.html");
-  eval->footer(
+      .one_of({"camera", "body"})
+      .type_name("FRAME");
+  eval.add_flag("--json", arguments->json, "Print JSON instead of the table");
+  eval.add_option("--plot", arguments->plot,
+                  "Draw both trajectories and the error over distance: PNG, SVG or PDF by ending")
+      .type_name("FILE.png|svg|pdf");
+  eval.add_option("--report", arguments->report, "Write a page with map, errors and tables into one file")
+      .type_name("FILE.html");
+  eval.footer(
       "KITTI files are compared line by line, TUM files by nearest stamp. Segment errors are means over segments of\n"
       "each length from every start frame; the ATE is taken after a rigid alignment without scale.\n"
       "Examples:\n"
       "  cliquevo eval poses.txt trajectory.txt --lengths 5,10,20,40\n"
       "  cliquevo eval --reference groundtruth.tum --estimate trajectory.tum --json");
-  eval->callback([arguments, &exit_code] { exit_code = run_eval(*arguments); });
+  eval.callback([arguments, &exit_code] { exit_code = run_eval(*arguments); });
 }
 
 }  // namespace cliquevo::tools

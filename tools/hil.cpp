@@ -70,63 +70,58 @@ int run(HilArguments arguments) {
 
 }  // namespace
 
-void add_hil_command(CLI::App& app, int& exit_code) {
+void add_hil_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<HilArguments>();
   HilOptions& options = arguments->options;
-  CLI::App* hil = app.add_subcommand("hil", "Serve a recording as two GigE Vision cameras, over the real protocol");
-  hil->add_option("SOURCE", arguments->source.text, "A recording (folder or log), sim, or sim:key=value,...")
-      ->required();
-  add_calibration_options(*hil, arguments->source);
-  hil->add_option_function<std::int64_t>(
+  const CliCommand hil =
+      app.add_subcommand("hil", "Serve a recording as two GigE Vision cameras, over the real protocol");
+  hil.add_option("SOURCE", arguments->source.text, "A recording (folder or log), sim, or sim:key=value,...").required();
+  add_calibration_options(hil, arguments->source);
+  hil.add_option_function<std::int64_t>(
          "--first", [arguments](const std::int64_t& i) { arguments->source.first = i; }, "First pair, counted from 0")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("I");
-  hil->add_option_function<std::int64_t>(
+      .not_negative()
+      .type_name("I");
+  hil.add_option_function<std::int64_t>(
          "--last", [arguments](const std::int64_t& i) { arguments->source.last = i; }, "Last pair")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("I");
-  hil->add_option_function<double>(
+      .not_negative()
+      .type_name("I");
+  hil.add_option_function<double>(
          "--rate",
          [arguments](const double& rate_hz) {
            arguments->options.rate_hz = rate_hz;
            arguments->rate_given = true;
          },
          "Pairs a second (default: the recording's), until the receiver sets another")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->type_name("HZ");
-  hil->add_option("--left-address", options.left_address, "Of an interface of this machine (default 127.0.0.1)")
-      ->type_name("IP");
-  hil->add_option("--right-address", options.right_address, "Another one (default 127.0.0.2)")->type_name("IP");
-  hil->add_option("--left-serial", options.left_serial, "Serial number (default HIL-LEFT): two rigs need two each")
-      ->type_name("NAME");
-  hil->add_option("--right-serial", options.right_serial, "Serial number (default HIL-RIGHT)")->type_name("NAME");
-  hil->add_flag("--pingpong", options.pingpong, "Forward, backward, forward ... without end");
-  hil->add_option("--loss", options.loss, "Share of the packets that get lost")
-      ->check(CLI::Range(0.0, 1.0))
-      ->type_name("SHARE");
-  hil->add_option("--drop-every", options.drop_every, "Leave out every N-th frame of the right camera")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("N");
-  hil->add_option("--swap-every", options.swap_every,
-                  "Send every N-th frame of the right camera before its predecessor")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("N");
-  hil->add_option("--right-late", options.right_late_s, "Send the right camera's frames late, s")
-      ->check(CLI::Range(0.0, 1.0))
-      ->type_name("S");
-  hil->add_option("--log", options.log, "Write a line for each frame sent: stamp in us, L or R, number of the pair")
-      ->type_name("FILE");
-  hil->add_option("--outage-every", options.outage_every_s, "Both cameras vanish every so many seconds ...")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S");
-  hil->add_option("--outage", options.outage_s, "... for so long (default 2)")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S");
-  hil->footer(
+      .between(0.1, 1000.0)
+      .type_name("HZ");
+  hil.add_option("--left-address", options.left_address, "Of an interface of this machine (default 127.0.0.1)")
+      .type_name("IP");
+  hil.add_option("--right-address", options.right_address, "Another one (default 127.0.0.2)").type_name("IP");
+  hil.add_option("--left-serial", options.left_serial, "Serial number (default HIL-LEFT): two rigs need two each")
+      .type_name("NAME");
+  hil.add_option("--right-serial", options.right_serial, "Serial number (default HIL-RIGHT)").type_name("NAME");
+  hil.add_flag("--pingpong", options.pingpong, "Forward, backward, forward ... without end");
+  hil.add_option("--loss", options.loss, "Share of the packets that get lost").between(0.0, 1.0).type_name("SHARE");
+  hil.add_option("--drop-every", options.drop_every, "Leave out every N-th frame of the right camera")
+      .not_negative()
+      .type_name("N");
+  hil.add_option("--swap-every", options.swap_every, "Send every N-th frame of the right camera before its predecessor")
+      .not_negative()
+      .type_name("N");
+  hil.add_option("--right-late", options.right_late_s, "Send the right camera's frames late, s")
+      .between(0.0, 1.0)
+      .type_name("S");
+  hil.add_option("--log", options.log, "Write a line for each frame sent: stamp in us, L or R, number of the pair")
+      .type_name("FILE");
+  hil.add_option("--outage-every", options.outage_every_s, "Both cameras vanish every so many seconds ...")
+      .not_negative()
+      .type_name("S");
+  hil.add_option("--outage", options.outage_s, "... for so long (default 2)").not_negative().type_name("S");
+  hil.footer(
       "Frame 0 waits until both are streamed. Discovery answers on every interface: keep it to yourself with a\n"
       "network of its own:\n"
       "  unshare --net sh -c 'ip link set lo up; ip address add 127.0.0.2/8 dev lo; cliquevo hil sim & ...'");
-  hil->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  hil.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

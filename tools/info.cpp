@@ -115,20 +115,20 @@ int run(const InfoArguments& arguments) {
 
 }  // namespace
 
-void add_info_command(CLI::App& app, int& exit_code) {
+void add_info_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<InfoArguments>();
-  CLI::App* info = app.add_subcommand("info", "List what is in a recording, log, bag, video or the simulator");
-  info->add_option("SOURCE", arguments->source.text, "As `cliquevo replay` takes it")->required();
-  info->add_flag("--json", arguments->json, "As JSON");
-  add_calibration_options(*info, arguments->source);
-  add_recording_options(*info, arguments->source);
-  info->footer(
+  const CliCommand info = app.add_subcommand("info", "List what is in a recording, log, bag, video or the simulator");
+  info.add_option("SOURCE", arguments->source.text, "As `cliquevo replay` takes it").required();
+  info.add_flag("--json", arguments->json, "As JSON");
+  add_calibration_options(info, arguments->source);
+  add_recording_options(info, arguments->source);
+  info.footer(
       "Each stream with its type, count, rate (of the median period), length and gaps (of more than 1.5 periods);\n"
       "then what would be played, with the calibration. Exit code 1 where nothing can be played: why is on stderr.\n"
       "Examples:\n"
       "  cliquevo info drive.mcap\n"
       "  cliquevo info /data/indoor --json");
-  info->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  info.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

@@ -23,6 +23,7 @@
 namespace {
 
 using namespace cliquevo::tools;
+using cliquevo::CliCommand;
 
 // The sub-command the line names, for "see ... --help".
 std::string command_name(const CLI::App& app) {
@@ -39,27 +40,28 @@ int run(int argc, char** argv) {
   app.footer(
       "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage; 3 asked-for strictness not met.\n"
       "`cliquevo COMMAND --help` lists each command's options, with examples.");
-  add_replay_command(app, exit_code);
-  add_info_command(app, exit_code);
-  add_disparity_command(app, exit_code);
-  add_eval_command(app, exit_code);
-  add_compare_command(app, exit_code);
-  add_drawing_commands(app, exit_code, CLIQUEVO_VERSION);
-  add_simulate_command(app, exit_code);
-  add_cameras_command(app, exit_code);
-  add_record_command(app, exit_code);
-  add_convert_command(app, exit_code);
+  const CliCommand commands(app);
+  add_replay_command(commands, exit_code);
+  add_info_command(commands, exit_code);
+  add_disparity_command(commands, exit_code);
+  add_eval_command(commands, exit_code);
+  add_compare_command(commands, exit_code);
+  add_drawing_commands(commands, exit_code, CLIQUEVO_VERSION);
+  add_simulate_command(commands, exit_code);
+  add_cameras_command(commands, exit_code);
+  add_record_command(commands, exit_code);
+  add_convert_command(commands, exit_code);
 #ifdef CLIQUEVO_ARAVIS
-  add_hil_command(app, exit_code);
+  add_hil_command(commands, exit_code);
 #endif
-  add_mavlink_command(app, exit_code);
-  add_ros2_command(app, exit_code);
-  add_config_command(app, exit_code);
-  add_ctl_command(app, exit_code);
-  add_watch_command(app, exit_code);
-  add_echo_command(app, exit_code);
-  add_doctor_command(app, exit_code);
-  add_spy_command(app, exit_code);
+  add_mavlink_command(commands, exit_code);
+  add_ros2_command(commands, exit_code);
+  add_config_command(commands, exit_code);
+  add_ctl_command(commands, exit_code);
+  add_watch_command(commands, exit_code);
+  add_echo_command(commands, exit_code);
+  add_doctor_command(commands, exit_code);
+  add_spy_command(commands, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& wanted) {  // --help, --version

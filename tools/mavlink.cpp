@@ -134,36 +134,35 @@ int run(const MavlinkArguments& arguments) {
 
 }  // namespace
 
-void add_mavlink_command(CLI::App& app, int& exit_code) {
+void add_mavlink_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<MavlinkArguments>();
-  CLI::App* command = app.add_subcommand("mavlink", "Send the running daemon's odometry to an autopilot");
-  command->add_option("--to", arguments->to, "Where: udp:HOST:PORT or serial:DEVICE[:BAUD] (default 921600)")
-      ->required()
-      ->type_name("LINK");
-  command->add_option("--lcm", arguments->lcm_url, "Where the daemon publishes")->type_name("URL");
-  command->add_option("--channel", arguments->channel, "Its odometry's channel (default VO_ODOMETRY)")
-      ->type_name("NAME");
+  const CliCommand command = app.add_subcommand("mavlink", "Send the running daemon's odometry to an autopilot");
+  command.add_option("--to", arguments->to, "Where: udp:HOST:PORT or serial:DEVICE[:BAUD] (default 921600)")
+      .required()
+      .type_name("LINK");
+  command.add_option("--lcm", arguments->lcm_url, "Where the daemon publishes").type_name("URL");
+  command.add_option("--channel", arguments->channel, "Its odometry's channel (default VO_ODOMETRY)").type_name("NAME");
   command
-      ->add_option("--messages", arguments->messages,
-                   "odometry (ODOMETRY, default), vision (VISION_POSITION_ESTIMATE, for older firmware), or both")
-      ->check(CLI::IsMember({"odometry", "vision", "both"}))
-      ->type_name("NAME");
-  command->add_option("--rate", arguments->rate_hz, "Most messages a second (default 50)")
-      ->check(CLI::Range(0.1, 1000.0))
-      ->type_name("HZ");
-  command->add_option("--system", arguments->system, "System id (default 1: the autopilot's own)")
-      ->check(CLI::Range(1, 255))
-      ->type_name("ID");
-  command->add_option("--component", arguments->component, "Component id (default 197: visual inertial odometry)")
-      ->check(CLI::Range(1, 255))
-      ->type_name("ID");
-  command->footer(
+      .add_option("--messages", arguments->messages,
+                  "odometry (ODOMETRY, default), vision (VISION_POSITION_ESTIMATE, for older firmware), or both")
+      .one_of({"odometry", "vision", "both"})
+      .type_name("NAME");
+  command.add_option("--rate", arguments->rate_hz, "Most messages a second (default 50)")
+      .between(0.1, 1000.0)
+      .type_name("HZ");
+  command.add_option("--system", arguments->system, "System id (default 1: the autopilot's own)")
+      .between(1, 255)
+      .type_name("ID");
+  command.add_option("--component", arguments->component, "Component id (default 197: visual inertial odometry)")
+      .between(1, 255)
+      .type_name("ID");
+  command.footer(
       "MAVLink 2; frames LOCAL_FRD and BODY_FRD, covariances, reset counter, quality -1 for a guess. A heartbeat a\n"
       "second; TIMESYNC is answered with this machine's UTC, by which the messages are stamped.\n"
       "Examples:\n"
       "  cliquevo mavlink --to udp:127.0.0.1:14540\n"
       "  cliquevo mavlink --to serial:/dev/ttyAMA0:921600 --rate 30");
-  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  command.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

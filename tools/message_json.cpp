@@ -22,9 +22,9 @@ namespace cliquevo::tools {
 
 namespace {
 
-using json = nlohmann::ordered_json;
+using nlohmann::ordered_json;
 
-json json_of(const pose_t& m) {
+ordered_json json_of(const pose_t& m) {
   return {{"utime", m.utime},
           {"pos", m.pos},
           {"vel", m.vel},
@@ -33,18 +33,18 @@ json json_of(const pose_t& m) {
           {"accel", m.accel}};
 }
 
-json rows_of(const double (&matrix)[6][6]) {
-  json out = json::array();
+ordered_json rows_of(const double (&matrix)[6][6]) {
+  ordered_json out = ordered_json::array();
   for (const auto& row : matrix) out.push_back(row);
   return out;
 }
 
-json json_of(const update_t& m) {
+ordered_json json_of(const update_t& m) {
   return {{"timestamp", m.timestamp}, {"prev_timestamp", m.prev_timestamp},  {"translation", m.translation},
           {"rotation", m.rotation},   {"covariance", rows_of(m.covariance)}, {"estimate_status", m.estimate_status}};
 }
 
-json json_of(const odometry_t& m) {
+ordered_json json_of(const odometry_t& m) {
   return {{"utime", m.utime},
           {"publish_utime", m.publish_utime},
           {"prev_utime", m.prev_utime},
@@ -60,7 +60,7 @@ json json_of(const odometry_t& m) {
           {"reset_counter", m.reset_counter}};
 }
 
-json json_of(const status_t& m) {
+ordered_json json_of(const status_t& m) {
   return {{"utime", m.utime},
           {"publish_utime", m.publish_utime},
           {"frame", m.frame},
@@ -102,7 +102,7 @@ json json_of(const status_t& m) {
           {"vehicle_in_view", m.vehicle_in_view != 0}};
 }
 
-json json_of(const health_t& m) {
+ordered_json json_of(const health_t& m) {
   return {{"utime", m.utime},
           {"state", m.state},
           {"state_text", m.state_text},
@@ -136,7 +136,7 @@ json json_of(const health_t& m) {
           {"view_text", m.view_text}};
 }
 
-json json_of(const mover_t& m) {
+ordered_json json_of(const mover_t& m) {
   return {{"id", m.id},
           {"frames", m.frames},
           {"of_vehicle", m.of_vehicle != 0},
@@ -151,13 +151,13 @@ json json_of(const mover_t& m) {
           {"point", m.point}};
 }
 
-json json_of(const movers_t& m) {
-  json movers = json::array();
+ordered_json json_of(const movers_t& m) {
+  ordered_json movers = ordered_json::array();
   for (const mover_t& mover : m.movers) movers.push_back(json_of(mover));
   return {{"utime", m.utime}, {"prev_utime", m.prev_utime}, {"movers", movers}};
 }
 
-json json_of(const features_t& m) {
+ordered_json json_of(const features_t& m) {
   return {{"utime", m.utime},
           {"width", m.width},
           {"height", m.height},
@@ -180,7 +180,7 @@ json json_of(const features_t& m) {
           {"role", m.role}};
 }
 
-json json_of(const points_t& m) {
+ordered_json json_of(const points_t& m) {
   return {{"utime", m.utime},
           {"camera_position", m.camera_position},
           {"step_px", m.step_px},
@@ -196,8 +196,8 @@ bool is_plain_text(const auto& bytes) {
 }
 
 // What is text: of VO_IMAGES the camera.
-json metadata_of(const image_t& image) {
-  json out = json::object();
+ordered_json metadata_of(const image_t& image) {
+  ordered_json out = ordered_json::object();
   for (const image_metadata_t& entry : image.metadata) {
     if (is_plain_text(entry.key) && is_plain_text(entry.value)) {
       out[entry.key] = std::string(entry.value.begin(), entry.value.end());
@@ -206,8 +206,8 @@ json metadata_of(const image_t& image) {
   return out;
 }
 
-json json_of(const images_t& m) {
-  json images = json::array();
+ordered_json json_of(const images_t& m) {
+  ordered_json images = ordered_json::array();
   for (const image_t& image : m.images) {
     images.push_back({{"width", image.width},
                       {"height", image.height},
@@ -219,10 +219,12 @@ json json_of(const images_t& m) {
   return {{"utime", m.utime}, {"image_types", m.image_types}, {"images", images}};
 }
 
-json json_of(const command_t& m) { return {{"utime", m.utime}, {"command", m.command}, {"argument", m.argument}}; }
+ordered_json json_of(const command_t& m) {
+  return {{"utime", m.utime}, {"command", m.command}, {"argument", m.argument}};
+}
 
 template <typename Message>
-std::optional<json> decoded(const void* data, std::size_t size) {
+std::optional<ordered_json> decoded(const void* data, std::size_t size) {
   Message message;
   if (!daemon::decode_checked(data, size, message)) return std::nullopt;
   return json_of(message);
@@ -230,7 +232,7 @@ std::optional<json> decoded(const void* data, std::size_t size) {
 
 struct Type {
   std::int64_t fingerprint;
-  std::optional<json> (*decode)(const void* data, std::size_t size);
+  std::optional<ordered_json> (*decode)(const void* data, std::size_t size);
 };
 template <typename Message>
 Type type() {
@@ -239,7 +241,7 @@ Type type() {
 
 }  // namespace
 
-std::optional<json> message_json(const void* data, std::size_t size) {
+std::optional<ordered_json> message_json(const void* data, std::size_t size) {
   static const Type types[] = {type<pose_t>(),   type<update_t>(), type<status_t>(),   type<odometry_t>(),
                                type<health_t>(), type<movers_t>(), type<features_t>(), type<images_t>(),
                                type<points_t>(), type<command_t>()};

@@ -3,6 +3,10 @@
 
 #include <algorithm>
 
+#include <CLI/CLI.hpp>
+
+#include "daemon/pipeline/command_line.h"
+
 namespace cliquevo::tools {
 
 namespace {
@@ -61,7 +65,15 @@ bool OptionInfo::takes_file() const {
   return choices.empty() && (named || positional);
 }
 
-CommandInfo describe_app(const CLI::App& app) { return describe(app, ""); }
+CommandInfo describe_app(CliCommand app) { return describe(app.app(), ""); }
+
+CommandInfo describe_daemon(const std::string& version) {
+  CLI::App app(daemon::kDaemonPurpose, "cliquevod");
+  daemon::DaemonOptions ignored;
+  daemon::add_daemon_options(CliCommand(app), ignored);
+  app.set_version_flag("--version", version);
+  return describe(app, "");
+}
 
 std::vector<const CommandInfo*> flattened(const CommandInfo& command) {
   std::vector<const CommandInfo*> out;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
+#include "daemon/pipeline/cli_command.h"
 
 namespace cliquevo::tools {
 
@@ -31,7 +31,9 @@ struct CommandInfo {
   std::string name() const { return path.substr(path.rfind(' ') + 1); }
 };
 
-CommandInfo describe_app(const CLI::App& app);
+CommandInfo describe_app(CliCommand app);
+// cliquevod's.
+CommandInfo describe_daemon(const std::string& version);
 // The command, then those below it, in the order in which --help lists them.
 std::vector<const CommandInfo*> flattened(const CommandInfo& command);
 

@@ -39,11 +39,11 @@ struct RecordArguments {
 };
 
 // An LCM log or an MCAP.
-class Target {
+class RecordTarget {
  public:
-  static Result<Target> start(const RecordArguments& arguments, const daemon::Config& config,
-                              const drivers::SourceInfo& info) {
-    Target out;
+  static Result<RecordTarget> start(const RecordArguments& arguments, const daemon::Config& config,
+                                    const drivers::SourceInfo& info) {
+    RecordTarget out;
     if (std::filesystem::path(arguments.out).extension() == ".mcap") {
       if (arguments.max_file_mb > 0 || arguments.max_total_mb > 0) {
         return Error{"wrong usage", arguments.out, "--max-file-mb and --max-total-mb are for LCM logs"};
@@ -97,7 +97,7 @@ int run(const RecordArguments& arguments) {
   auto source = open(arguments, *config);
   if (!source) return report(source.error());
   const drivers::SourceInfo& info = (*source)->info();
-  auto recorder = Target::start(arguments, *config, info);
+  auto recorder = RecordTarget::start(arguments, *config, info);
   if (!recorder) return report(recorder.error(), recorder.error().what == "wrong usage" ? kWrongUsage : kBadInput);
   fmt::print("{}\n", drivers::describe_source(info));
   std::fflush(stdout);
@@ -141,40 +141,41 @@ int run(const RecordArguments& arguments) {
 
 }  // namespace
 
-void add_record_command(CLI::App& app, int& exit_code) {
+void add_record_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<RecordArguments>();
-  CLI::App* record = app.add_subcommand("record", "Write what a source delivers into an LCM event log or an MCAP");
-  record->add_option("SOURCE", arguments->source.text,
-                     "A recording, sim, or sim:key=value,...; left out: the configuration's source (cameras)");
-  record->add_option("--out", arguments->out, "New LCM log, or MCAP for ROS 2's tools by its name's ending")
-      ->required()
-      ->type_name("FILE.lcm|mcap");
-  daemon::add_config_options(*record, arguments->config, "Configuration with the source");
-  record->add_option("--max-file-mb", arguments->max_file_mb, "Begin a new file (FILE-000.lcm, ...) at this size")
-      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1'000'000}))
-      ->type_name("MB");
-  record->add_option("--max-total-mb", arguments->max_total_mb, "Remove the oldest files beyond this size of all")
-      ->check(CLI::Range(std::int64_t{4}, std::int64_t{100'000'000}))
-      ->type_name("MB");
-  record->add_option("--seconds", arguments->seconds, "End after so much of the source's time")
-      ->check(CLI::PositiveNumber)
-      ->type_name("S");
-  record->add_option("--speed", arguments->speed, "Times recorded pace; left out: as fast as it goes")
-      ->check(CLI::PositiveNumber)
-      ->type_name("N");
+  const CliCommand record =
+      app.add_subcommand("record", "Write what a source delivers into an LCM event log or an MCAP");
+  record.add_option("SOURCE", arguments->source.text,
+                    "A recording, sim, or sim:key=value,...; left out: the configuration's source (cameras)");
+  record.add_option("--out", arguments->out, "New LCM log, or MCAP for ROS 2's tools by its name's ending")
+      .required()
+      .type_name("FILE.lcm|mcap");
+  daemon::add_config_options(record, arguments->config, "Configuration with the source");
+  record.add_option("--max-file-mb", arguments->max_file_mb, "Begin a new file (FILE-000.lcm, ...) at this size")
+      .between(std::int64_t{1}, std::int64_t{1'000'000})
+      .type_name("MB");
+  record.add_option("--max-total-mb", arguments->max_total_mb, "Remove the oldest files beyond this size of all")
+      .between(std::int64_t{4}, std::int64_t{100'000'000})
+      .type_name("MB");
+  record.add_option("--seconds", arguments->seconds, "End after so much of the source's time")
+      .positive()
+      .type_name("S");
+  record.add_option("--speed", arguments->speed, "Times recorded pace; left out: as fast as it goes")
+      .positive()
+      .type_name("N");
   record
-      ->add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S");
-  add_recording_options(*record, arguments->source);
-  record->footer(
+      .add_option("--wait", arguments->wait_s, "Wait so long for cameras that are not there yet (default: not at all)")
+      .not_negative()
+      .type_name("S");
+  add_recording_options(record, arguments->source);
+  record.footer(
       "The log holds VO_STEREO (the pairs as grabbed, not compressed) and VO_CALIBRATION; whatever ends the writing, "
       "it\n"
       "can be read up to its last whole event. `cliquevo replay FILE.lcm` plays it, lcm-logplayer too.\n"
       "Examples:\n"
       "  cliquevo record --config rig.yaml --out drive.lcm --max-total-mb 20000\n"
       "  cliquevo record sim:frames=300 --out course.lcm");
-  record->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  record.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

@@ -230,27 +230,27 @@ auto into(std::optional<T>& target) {
   return [&target](const T& value) { target = value; };
 }
 
-void add_source_options(CLI::App& replay, SourceArgument& source) {
+void add_source_options(CliCommand replay, SourceArgument& source) {
   replay
       .add_option("SOURCE", source.text,
                   "A recording's folder (KITTI, KITTI-360, EuRoC, two folders of images, images of both cameras in one "
                   "folder: recognised by what is in it), an LCM log, sim, or sim:key=value,...")
-      ->required();
+      .required();
   add_calibration_options(replay, source);
   replay.add_option_function<std::int64_t>("--first", into(source.first), "First pair to play, counted from 0")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("I");
+      .not_negative()
+      .type_name("I");
   replay.add_option_function<std::int64_t>("--last", into(source.last), "Last pair to play")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("I");
+      .not_negative()
+      .type_name("I");
   replay.add_option_function<std::int64_t>("--every", into(source.every), "Play every K-th pair")
-      ->check(CLI::PositiveNumber)
-      ->type_name("K");
+      .positive()
+      .type_name("K");
   replay
       .add_option_function<double>("--pair-tolerance", into(source.pair_tolerance_s),
                                    "Most time between the images of a pair, s (default a quarter period)")
-      ->check(CLI::NonNegativeNumber)
-      ->type_name("S");
+      .not_negative()
+      .type_name("S");
   const std::map<std::string, drivers::Bayer> patterns{
       {"auto", drivers::Bayer::automatic}, {"none", drivers::Bayer::none}, {"rggb", drivers::Bayer::rggb},
       {"bggr", drivers::Bayer::bggr},      {"grbg", drivers::Bayer::grbg}, {"gbrg", drivers::Bayer::gbrg}};
@@ -258,68 +258,67 @@ void add_source_options(CLI::App& replay, SourceArgument& source) {
       .add_option_function<std::string>(
           "--bayer", [&source, patterns](const std::string& name) { source.bayer = patterns.at(name); },
           "The images are raw Bayer mosaics of this pattern, or none; default auto: where the images show it")
-      ->check(CLI::IsMember({"auto", "none", "rggb", "bggr", "grbg", "gbrg"}))
-      ->type_name("PATTERN");
+      .one_of({"auto", "none", "rggb", "bggr", "grbg", "gbrg"})
+      .type_name("PATTERN");
   add_recording_options(replay, source);
 }
 
 // What is written about the run.
-void add_picture_options(CLI::App& replay, ReplayArguments& arguments) {
+void add_picture_options(CliCommand replay, ReplayArguments& arguments) {
   replay.add_option("--stats", arguments.stats, "Write each frame's verdict, counts, errors and times as JSON")
-      ->type_name("FILE.json");
+      .type_name("FILE.json");
   replay
       .add_option("--plot", arguments.plot,
                   "Draw the trajectory and its error over distance: PNG, SVG or PDF by the name's ending")
-      ->type_name("FILE.png|svg|pdf");
+      .type_name("FILE.png|svg|pdf");
   replay
       .add_option("--report", arguments.report,
                   "Write a page about the run into one file: map, errors, verdicts, times, the worst frames as seen")
-      ->type_name("FILE.html");
+      .type_name("FILE.html");
 }
 
 }  // namespace
 
-void add_replay_command(CLI::App& app, int& exit_code) {
+void add_replay_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<ReplayArguments>();
-  CLI::App* replay =
+  const CliCommand replay =
       app.add_subcommand("replay", "Run a recording or the simulator through stereo and odometry: poses and verdicts");
-  add_source_options(*replay, arguments->source);
-  daemon::add_config_options(*replay, arguments->config, "Configuration (cliquevo config sample prints every key)");
+  add_source_options(replay, arguments->source);
+  daemon::add_config_options(replay, arguments->config, "Configuration (cliquevo config sample prints every key)");
   replay
-      ->add_option("--trajectory", arguments->trajectory,
-                   "Write a pose a pair: rectified left camera in its first frame")
-      ->type_name("FILE");
+      .add_option("--trajectory", arguments->trajectory,
+                  "Write a pose a pair: rectified left camera in its first frame")
+      .type_name("FILE");
   replay
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "--format",
           [arguments](const std::string& name) {
             arguments->format = name == "tum" ? TrajectoryFormat::tum : TrajectoryFormat::kitti;
           },
           "Of the trajectory: kitti (12 numbers a line, default) or tum (seconds, position, quaternion)")
-      ->check(CLI::IsMember({"kitti", "tum"}))
-      ->type_name("NAME");
-  add_picture_options(*replay, *arguments);
+      .one_of({"kitti", "tum"})
+      .type_name("NAME");
+  add_picture_options(replay, *arguments);
   replay
-      ->add_option("--reference", arguments->reference,
-                   "True trajectory for the plot and the summary (default: the recording's own poses.txt, "
-                   "groundtruth.tum, EuRoC ground truth or KITTI-360 poses, the simulator's truth)")
-      ->type_name("FILE");
+      .add_option("--reference", arguments->reference,
+                  "True trajectory for the plot and the summary (default: the recording's own poses.txt, "
+                  "groundtruth.tum, EuRoC ground truth or KITTI-360 poses, the simulator's truth)")
+      .type_name("FILE");
   replay
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "--speed",
           [arguments](const std::string& text) {
             if (!parse_speed(text, arguments->speed)) {
-              throw CLI::ValidationError("--speed",
-                                         "'" + text + "' is neither max nor a number from 0.000001 to 1000000");
+              refuse_value("--speed", "'" + text + "' is neither max nor a number from 0.000001 to 1000000");
             }
           },
           "max (default) or N times the recorded pace")
-      ->type_name("max|N");
-  replay->add_option("--lcm", arguments->lcm_url, "Publish every frame over LCM, e.g. udpm://239.255.76.67:7667?ttl=0")
-      ->type_name("URL");
-  replay->add_flag("--strict", arguments->strict,
-                   "Exit with 3 if a frame failed, and at once at a pair that cannot be played");
-  replay->footer(
+      .type_name("max|N");
+  replay.add_option("--lcm", arguments->lcm_url, "Publish every frame over LCM, e.g. udpm://239.255.76.67:7667?ttl=0")
+      .type_name("URL");
+  replay.add_flag("--strict", arguments->strict,
+                  "Exit with 3 if a frame failed, and at once at a pair that cannot be played");
+  replay.footer(
       "Every pair is processed, in order; one that cannot be read, or whose stamp steps back, is skipped and named: "
       "its\n"
       "line of the trajectory holds the pose before it. Exit codes: 0 done; 1 bad input or environment; 2 wrong "
@@ -331,7 +330,7 @@ void add_replay_command(CLI::App& app, int& exit_code) {
       "  cliquevo replay sim:course=walking,frames=400,noise_seed=3 --stats run.json\n"
       "  cliquevo replay /data/drive_0027 --trajectory poses.txt --stats run.json --plot run.png\n"
       "  cliquevo replay /data/indoor --every 2 --format tum --trajectory poses.tum --speed 1 --lcm udpm://");
-  replay->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  replay.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

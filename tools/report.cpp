@@ -39,7 +39,7 @@ json names(const char* (*name)(std::size_t), std::size_t count) {
 }
 
 // Of the report's map: to the right, and forward.
-json from_above(const Eigen::Vector3d& p) { return {p.x(), p.z()}; }
+json point_from_above(const Eigen::Vector3d& p) { return {p.x(), p.z()}; }
 
 json reference_json(const std::string& name, const std::vector<PosePair>& pairs, bool align) {
   const AgainstReference against = against_reference(pairs, align);
@@ -49,7 +49,7 @@ json reference_json(const std::string& name, const std::vector<PosePair>& pairs,
               {"index", json::array()},
               {"distance", against.distance_m},
               {"error", against.error_m}};
-  for (const Eigen::Vector3d& p : against.reference) out["way"].push_back(from_above(p));
+  for (const Eigen::Vector3d& p : against.reference) out["way"].push_back(point_from_above(p));
   for (const PosePair& pair : pairs) out["index"].push_back(pair.estimate_index);
   return out;
 }
@@ -109,7 +109,7 @@ std::string evaluation_report(const std::string& title, const json& result, cons
                               const std::vector<PosePair>& pairs) {
   const bool align = estimate.format == daemon::TrajectoryFormat::tum;
   json way = json::array();
-  for (const daemon::StampedPose& pose : estimate.poses) way.push_back(from_above(pose.T_world_camera.t));
+  for (const daemon::StampedPose& pose : estimate.poses) way.push_back(point_from_above(pose.T_world_camera.t));
   json figures = json::array();
   for (const auto& [key, value] : result.items()) {
     if (!value.is_array()) figures.push_back({key, titled(value)});

@@ -35,11 +35,10 @@ int run(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
-void add_ros2_command(CLI::App& app, int& exit_code) {
-  CLI::App* ros2 = app.add_subcommand("ros2", "Publish the running daemon's odometry for ROS 2 (/odom, /tf)");
-  ros2->prefix_command();
-  ros2->set_help_flag();  // the bridge's own lists its options
-  ros2->callback([ros2, &exit_code] { exit_code = run(ros2->remaining()); });
+void add_ros2_command(CliCommand app, int& exit_code) {
+  const CliCommand ros2 = app.add_subcommand("ros2", "Publish the running daemon's odometry for ROS 2 (/odom, /tf)");
+  ros2.pass_on_everything();  // the bridge knows the options
+  ros2.callback([ros2, &exit_code] { exit_code = run(ros2.passed_on()); });
 }
 
 }  // namespace cliquevo::tools

@@ -16,7 +16,7 @@ using nlohmann::json;
 using vo::Status;
 
 constexpr double kNsPerMs = 1e6;
-constexpr double kDegree = 57.295779513082320877;
+constexpr double kDegreesOfARadian = 57.295779513082320877;
 
 // The stages of a frame, in the order in which it passes them.
 struct Stage {
@@ -117,7 +117,7 @@ json frame_json(const FrameRecord& frame) {
               {"times_ms", std::move(times)}};
   if (frame.truth_T_world_camera) {
     const RigidTransform error = e.T_world_camera.inverse() * *frame.truth_T_world_camera;
-    out["truth_error"] = {{"translation_m", error.t.norm()}, {"rotation_deg", kDegree * error.angle()}};
+    out["truth_error"] = {{"translation_m", error.t.norm()}, {"rotation_deg", kDegreesOfARadian * error.angle()}};
   }
   return out;
 }

@@ -130,31 +130,31 @@ int run(const SimulateArguments& arguments) {
 
 }  // namespace
 
-void add_simulate_command(CLI::App& app, int& exit_code) {
+void add_simulate_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<SimulateArguments>();
-  CLI::App* simulate = app.add_subcommand("simulate", "Render a course with exact truth as a recording");
-  simulate->add_option("--out", arguments->out, "New folder for the recording")->required()->type_name("DIR");
-  simulate->add_option("--preview", arguments->preview, "Also a contact sheet: images and their true disparity")
-      ->type_name("FILE.png");
+  const CliCommand simulate = app.add_subcommand("simulate", "Render a course with exact truth as a recording");
+  simulate.add_option("--out", arguments->out, "New folder for the recording").required().type_name("DIR");
+  simulate.add_option("--preview", arguments->preview, "Also a contact sheet: images and their true disparity")
+      .type_name("FILE.png");
   for (const drivers::SimulatorKey& key : drivers::simulator_keys()) {
     std::string flag = "--" + key.name;
     std::replace(flag.begin(), flag.end(), '_', '-');
-    auto* option = simulate->add_option(flag, arguments->values[key.name], key.meaning);
+    const CliOption option = simulate.add_option(flag, arguments->values[key.name], key.meaning);
     if (key.on_off) {
       // `--raw` alone switches on; `--shot-noise off` switches off.
-      option->expected(0, 1)->default_str("on")->type_name("[on|off]");
+      option.optional_value("on").type_name("[on|off]");
     } else {
-      option->type_name("VALUE");
+      option.type_name("VALUE");
     }
   }
-  simulate->footer(
+  simulate.footer(
       "Without options: the reference scene, 200 frames. Layout: KITTI odometry (image_0, image_1, calib.txt,\n"
       "times.txt), with --raw EuRoC (mav0/cam0, mav0/cam1). Truth either way: poses.txt (rectified left camera) and\n"
       "disp_0/ (16-bit PNG, px * 256, 0 = unknown).\n"
       "Examples:\n"
       "  cliquevo simulate --out walk --course walking --frames 400 --preview walk.png\n"
       "  cliquevo simulate --out raw --raw --movers 3 --noise-seed 2");
-  simulate->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  simulate.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

@@ -62,27 +62,27 @@ drivers::RecordingOptions recording_options(const SourceArgument& argument, cons
   return options;
 }
 
-void add_calibration_options(CLI::App& command, SourceArgument& source) {
+void add_calibration_options(CliCommand command, SourceArgument& source) {
   command.add_option("--calibration", source.calibration, "Calibration instead of the recording's own")
-      ->type_name("FILE");
+      .type_name("FILE");
   command
       .add_option(
           "--baseline-unit", source.calibration_options.baseline_unit_m,
           "Metres a unit of the calibration's lengths: 0.025 for squares of 25 mm, 1 for metres in spite of all")
-      ->check(CLI::Range(1e-6, 1e6))
-      ->type_name("M");
+      .between(1e-6, 1e6)
+      .type_name("M");
   command.add_flag("--rectified", source.calibration_options.rectified,
                    "The images are rectified by this calibration already");
   command
       .add_option("--lens", source.calibration_options.lens,
                   "What four distortion terms without a name are: plumb_bob or equidistant (OpenCV's fisheye)")
-      ->check(CLI::IsMember({"plumb_bob", "equidistant"}))
-      ->type_name("MODEL");
+      .one_of({"plumb_bob", "equidistant"})
+      .type_name("MODEL");
   command
       .add_option("--readout-ms", source.calibration_options.readout_ms,
                   "Rolling shutter: time from the first row's exposure to the last one's, ms")
-      ->check(CLI::Range(0.0, 1000.0))
-      ->type_name("MS");
+      .between(0.0, 1000.0)
+      .type_name("MS");
 }
 
 bool is_simulator(const std::string& source) {
@@ -115,18 +115,18 @@ Result<void> check_source(const SourceArgument& argument) {
   return {};
 }
 
-void add_recording_options(CLI::App& command, SourceArgument& argument) {
+void add_recording_options(CliCommand command, SourceArgument& argument) {
   command
       .add_option_function<double>(
           "--rate", [&argument](double hz) { argument.rate_hz = hz; }, "Pairs a second, whatever times are there")
-      ->check(CLI::PositiveNumber)
-      ->type_name("HZ");
+      .positive()
+      .type_name("HZ");
   command.add_option("--channel", argument.channel, "Of a log with several stereo channels: the one to play")
-      ->type_name("NAME");
+      .type_name("NAME");
   command
       .add_option("--topics", argument.topics,
                   "Of a bag: the images of both cameras, and their camera_info where it is not beside them")
-      ->type_name("LEFT,RIGHT[,LEFT_INFO,RIGHT_INFO]");
+      .type_name("LEFT,RIGHT[,LEFT_INFO,RIGHT_INFO]");
   command.add_flag("--side-by-side", argument.side_by_side,
                    "Each image of the folder holds the left and the right one, side by side");
   command.add_flag("--swap-eyes", argument.swap_eyes, "Left and right are exchanged in the recording: put them right");

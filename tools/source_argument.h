@@ -7,9 +7,8 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "core/base/result.h"
+#include "daemon/pipeline/cli_command.h"
 #include "daemon/pipeline/config.h"
 #include "drivers/calibration_file.h"
 #include "drivers/frame_source.h"
@@ -40,14 +39,14 @@ struct SourceArgument {
 };
 
 // --calibration and the options that go with it.
-void add_calibration_options(CLI::App& command, SourceArgument& source);
+void add_calibration_options(CliCommand command, SourceArgument& source);
 
 bool is_simulator(const std::string& source);
 // Whether SOURCE and the options beside it make sense together; an error is one of usage.
 Result<void> check_source(const SourceArgument& argument);
 
 // --rate, --channel, --topics, --side-by-side and --swap-eyes, for every command with a SOURCE.
-void add_recording_options(CLI::App& command, SourceArgument& argument);
+void add_recording_options(CliCommand command, SourceArgument& argument);
 
 // How the recording that SOURCE names is to be read.
 drivers::RecordingOptions recording_options(const SourceArgument& argument, const daemon::SourceConfig& config);

@@ -95,13 +95,13 @@ Result<void> start(const SpyOptions& options) {
 
 }  // namespace
 
-void add_spy_command(CLI::App& app, int& exit_code) {
+void add_spy_command(CliCommand app, int& exit_code) {
   auto options = std::make_shared<SpyOptions>();
-  CLI::App* spy = app.add_subcommand("spy", "Watch the messages: lcm-spy with every field of ours");
-  spy->add_option("--lcm", options->url, "LCM URL")->type_name("URL")->capture_default_str();
-  spy->add_option("--types", options->types, "Folder of .lcm files (default: those of this program)")->type_name("DIR");
-  spy->footer("Double-click a channel to see its fields. Needs a display and Java:\n  " + std::string(kPackages));
-  spy->callback([options, &exit_code] {
+  const CliCommand spy = app.add_subcommand("spy", "Watch the messages: lcm-spy with every field of ours");
+  spy.add_option("--lcm", options->url, "LCM URL").type_name("URL").capture_default_str();
+  spy.add_option("--types", options->types, "Folder of .lcm files (default: those of this program)").type_name("DIR");
+  spy.footer("Double-click a channel to see its fields. Needs a display and Java:\n  " + std::string(kPackages));
+  spy.callback([options, &exit_code] {
     if (const auto ok = start(*options); !ok) exit_code = report(ok.error());
   });
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "daemon/pipeline/cli_command.h"
 
 namespace cliquevo::tools {
 
 // `cliquevo spy`: lcm-spy with our message types, so that every field shows.
-void add_spy_command(CLI::App& app, int& exit_code);
+void add_spy_command(CliCommand app, int& exit_code);
 
 }  // namespace cliquevo::tools

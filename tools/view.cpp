@@ -87,52 +87,52 @@ int run(ViewArguments& arguments) {
 
 }  // namespace
 
-void add_view_command(CLI::App& app, int& exit_code, const std::string& version) {
+void add_view_command(CliCommand app, int& exit_code, const std::string& version) {
   auto arguments = std::make_shared<ViewArguments>();
   arguments->options.version = version;
-  CLI::App* command = app.add_subcommand("view", kViewPurpose);
-  command->add_option(
+  const CliCommand command = app.add_subcommand("view", kViewPurpose);
+  command.add_option(
       "SOURCE", arguments->source.text,
       "A recording, an LCM log, sim or sim:key=value,... as replay takes them; none: the running daemon");
   command
-      ->add_option("--lcm", arguments->lcm_url, "Look at the daemon that sends here (default: the configuration's URL)")
-      ->type_name("URL");
-  daemon::add_config_options(*command, arguments->config, "Configuration (cliquevo config sample prints every key)");
-  add_calibration_options(*command, arguments->source);
-  add_recording_options(*command, arguments->source);
+      .add_option("--lcm", arguments->lcm_url, "Look at the daemon that sends here (default: the configuration's URL)")
+      .type_name("URL");
+  daemon::add_config_options(command, arguments->config, "Configuration (cliquevo config sample prints every key)");
+  add_calibration_options(command, arguments->source);
+  add_recording_options(command, arguments->source);
   command
-      ->add_option(
+      .add_option(
           "--reference", arguments->reference,
           "Trajectory to draw beside the way: of the left camera (KITTI, TUM), or EuRoC's or KITTI-360's ground "
           "truth (default: poses.txt and the like in the recording)")
-      ->type_name("FILE");
+      .type_name("FILE");
   auto& server = arguments->options.server;
-  command->add_option("--port", server.port, "Port of the page, 0 = any that is free")
-      ->capture_default_str()
-      ->type_name("N");
+  command.add_option("--port", server.port, "Port of the page, 0 = any that is free")
+      .capture_default_str()
+      .type_name("N");
   command
-      ->add_option(
+      .add_option(
           "--listen", server.listen,
           "Address to serve at. Another than loopback can be reached by others: the address printed then holds a "
           "token, without which nothing is served")
-      ->capture_default_str()
-      ->type_name("ADDR");
+      .capture_default_str()
+      .type_name("ADDR");
   command
-      ->add_option("--allow-origin", server.viewer_origins,
-                   "Whose pages may connect as a viewer (foxglove.websocket.v1), e.g. http://localhost:8080; again for "
-                   "more")
-      ->type_name("ORIGIN")
-      ->allow_extra_args(false);
-  command->add_option("--keep-mb", arguments->options.keep_mb, "Most of pictures kept, in a file in TMPDIR (/var/tmp)")
-      ->check(CLI::Range(std::int64_t{64}, std::int64_t{1} << 20))
-      ->capture_default_str()
-      ->type_name("MB");
+      .add_option("--allow-origin", server.viewer_origins,
+                  "Whose pages may connect as a viewer (foxglove.websocket.v1), e.g. http://localhost:8080; again for "
+                  "more")
+      .type_name("ORIGIN")
+      .one_value_each_time();
+  command.add_option("--keep-mb", arguments->options.keep_mb, "Most of pictures kept, in a file in TMPDIR (/var/tmp)")
+      .between(std::int64_t{64}, std::int64_t{1} << 20)
+      .capture_default_str()
+      .type_name("MB");
   command
-      ->add_option("--socket", arguments->options.control_socket,
-                   "The daemon's control.socket: with it the page can start and stop recording")
-      ->type_name("PATH");
-  command->add_flag("--open", arguments->options.open_browser, "Open the page in the browser");
-  command->footer(
+      .add_option("--socket", arguments->options.control_socket,
+                  "The daemon's control.socket: with it the page can start and stop recording")
+      .type_name("PATH");
+  command.add_flag("--open", arguments->options.open_browser, "Open the page in the browser");
+  command.footer(
       "Prints the page's address and serves until Ctrl-C. Of a daemon it shows what is sent: pictures, features and\n"
       "movers where lcm.images_channel, lcm.features_channel and lcm.movers_channel name VO_IMAGES, VO_FEATURES and\n"
       "VO_MOVERS.\n"
@@ -141,7 +141,7 @@ void add_view_command(CLI::App& app, int& exit_code, const std::string& version)
       "  cliquevo view sim:frames=300,movers=3 --open\n"
       "  cliquevo view /data/drive_0027\n"
       "  cliquevo view --lcm 'udpm://239.255.76.67:7667?ttl=0'");
-  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  command.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

@@ -67,17 +67,18 @@ int run(const WatchArguments& arguments) {
 
 }  // namespace
 
-void add_watch_command(CLI::App& app, int& exit_code) {
+void add_watch_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<WatchArguments>();
-  CLI::App* watch = app.add_subcommand("watch", "See in the terminal how the daemon gets on: state, rate, verdicts");
-  watch->add_option("--lcm", arguments->url, "LCM URL of the daemon")->type_name("URL")->capture_default_str();
-  watch->add_option("--seconds", arguments->seconds, "End after so long (default: with Ctrl-C)")
-      ->check(CLI::Range(0.1, 1e6))
-      ->type_name("S");
-  watch->footer(
+  const CliCommand watch =
+      app.add_subcommand("watch", "See in the terminal how the daemon gets on: state, rate, verdicts");
+  watch.add_option("--lcm", arguments->url, "LCM URL of the daemon").type_name("URL").capture_default_str();
+  watch.add_option("--seconds", arguments->seconds, "End after so long (default: with Ctrl-C)")
+      .between(0.1, 1e6)
+      .type_name("S");
+  watch.footer(
       "It listens to VO_HEALTH, VO_STATUS and POSE_BODY. Where the output is no terminal, it prints a line a second.\n"
       "`cliquevo ctl status` has the daemon's own figures.");
-  watch->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  watch.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

@@ -45,7 +45,7 @@ Result<const Drawing*> find_drawing(const std::string&) {
   return &drawing;
 }
 
-void add_drawing_commands(CLI::App& app, int& exit_code, const std::string& version) {
+void add_drawing_commands(CliCommand app, int& exit_code, const std::string& version) {
   add_view_command(app, exit_code, version);
   fleet::add_fleet_command(app, exit_code);
 #ifdef CLIQUEVO_CALIBRATE

@@ -54,12 +54,11 @@ Error hand_over(const std::string& option) {
           "install the package cliquevo-tools again"};
 }
 
-CLI::App* add_absent_command(CLI::App& app, int& exit_code, const std::string& name, const std::string& purpose) {
-  CLI::App* command = app.add_subcommand(name, purpose);
-  command->prefix_command();
-  command->set_help_flag();  // the other program knows the options
-  command->callback([name, command, &exit_code] {
-    if (command->get_subcommands().empty()) exit_code = report(hand_over("cliquevo " + name));
+CliCommand add_absent_command(CliCommand app, int& exit_code, const std::string& name, const std::string& purpose) {
+  const CliCommand command = app.add_subcommand(name, purpose);
+  command.pass_on_everything();  // the other program knows the options
+  command.callback([name, command, &exit_code] {
+    if (!command.has_chosen_subcommand()) exit_code = report(hand_over("cliquevo " + name));
   });
   return command;
 }
@@ -68,11 +67,11 @@ CLI::App* add_absent_command(CLI::App& app, int& exit_code, const std::string& n
 
 Result<const Drawing*> find_drawing(const std::string& option) { return hand_over(option); }
 
-void add_drawing_commands(CLI::App& app, int& exit_code, const std::string&) {
+void add_drawing_commands(CliCommand app, int& exit_code, const std::string&) {
   add_absent_command(app, exit_code, "view", kViewPurpose);
   add_absent_command(app, exit_code, "calibrate", kCalibratePurpose);
   // A node computes units without what draws.
-  fleet::add_run_unit_command(*add_absent_command(app, exit_code, "fleet", fleet::kFleetPurpose), exit_code);
+  fleet::add_run_unit_command(add_absent_command(app, exit_code, "fleet", fleet::kFleetPurpose), exit_code);
 }
 
 }  // namespace cliquevo::tools

@@ -33,7 +33,7 @@ Matrix6d start_covariance() {
 }
 
 // Symmetric to the bit. Where a variance is too large, its row and column shrink with it, so that it stays one.
-Matrix6d sendable(const Matrix6d& covariance) {
+Matrix6d bounded(const Matrix6d& covariance) {
   if (!covariance.allFinite()) return Matrix6d::Identity() * kUnknownVariance;
   Matrix6d out = 0.5 * (covariance + covariance.transpose());
   for (int i = 0; i < 6; ++i) {
@@ -45,10 +45,10 @@ Matrix6d sendable(const Matrix6d& covariance) {
   return out;
 }
 
-void put(const Eigen::Vector3d& v, double (&out)[3]) {
+void store(const Eigen::Vector3d& v, double (&out)[3]) {
   for (int i = 0; i < 3; ++i) out[i] = v[i];
 }
-void put(const Matrix6d& M, double (&out)[6][6]) {
+void store(const Matrix6d& M, double (&out)[6][6]) {
   for (int r = 0; r < 6; ++r) {
     for (int c = 0; c < 6; ++c) out[r][c] = M(r, c);
   }
@@ -156,16 +156,16 @@ void OdometryBuilder::build(const PublishedFrame& frame, bool usable, TimestampN
   }
   out.utime = floor_us(e.stamp_ns);
   out.publish_utime = floor_us(publish_ns);
-  put(shown_.T_odom_body.t, out.position);
+  store(shown_.T_odom_body.t, out.position);
   Eigen::Quaterniond q(shown_.T_odom_body.R);
   q.normalize();
   if (q.w() < 0.0) q.coeffs() = -q.coeffs();
   out.orientation[0] = q.w();
   for (int i = 0; i < 3; ++i) out.orientation[i + 1] = q.vec()[i];
-  put(sendable(shown_.covariance.matrix()), out.pose_covariance);
-  put(twist_.velocity, out.velocity);
-  put(twist_.rotation_rate, out.rotation_rate);
-  put(sendable(twist_.covariance), out.twist_covariance);
+  store(bounded(shown_.covariance.matrix()), out.pose_covariance);
+  store(twist_.velocity, out.velocity);
+  store(twist_.rotation_rate, out.rotation_rate);
+  store(bounded(twist_.covariance), out.twist_covariance);
   out.quality = measured ? static_cast<std::int8_t>(e.quality) : std::int8_t{0};
   out.status = static_cast<std::int8_t>(e.status);
   out.pose_is_guess = guessed_ ? 1 : 0;

@@ -8,13 +8,12 @@ namespace cliquevo::daemon {
 
 namespace fs = std::filesystem;
 
-void add_config_options(CLI::App& app, ConfigArgument& argument, const std::string& file_meaning) {
-  app.add_option("--config", argument.file, file_meaning)->type_name("FILE");
+void add_config_options(CliCommand app, ConfigArgument& argument, const std::string& file_meaning) {
+  app.add_option("--config", argument.file, file_meaning).type_name("FILE");
   app.add_option("--set", argument.settings,
                  "Set one key, after --config: section.key=value, as in the file; may be given again")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->type_name("KEY=VALUE");
+      .repeatable()
+      .type_name("KEY=VALUE");
 }
 
 Result<Config> read_config(const ConfigArgument& argument) {
@@ -35,12 +34,12 @@ std::vector<std::string> config_files_in(const std::string& folder) {
   return out;
 }
 
-void add_daemon_options(CLI::App& app, DaemonOptions& options) {
+void add_daemon_options(CliCommand app, DaemonOptions& options) {
   add_config_options(app, options.config,
                      "Configuration file (default: /etc/cliquevo/cliquevo.yaml and cliquevo.yaml.d/*.yaml beside it)");
   app.add_flag("--check", options.check, "Validate configuration and calibration, print what is in force, and end");
   app.add_flag("--json", options.json, "With --check: print JSON");
-  app.add_option("--trajectory", options.trajectory, "Write the camera's poses here (KITTI format)")->type_name("FILE");
+  app.add_option("--trajectory", options.trajectory, "Write the camera's poses here (KITTI format)").type_name("FILE");
   app.footer(
       "Exit codes: 0 done; 1 bad input or environment; 2 wrong usage.\n"
       "SIGTERM and SIGINT stop it cleanly: frames on their way still go out.");

@@ -5,9 +5,8 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "core/base/result.h"
+#include "daemon/pipeline/cli_command.h"
 #include "daemon/pipeline/config.h"
 
 namespace cliquevo::daemon {
@@ -22,7 +21,7 @@ struct ConfigArgument {
 };
 
 // --config and --set; `file_meaning` is the help of the first.
-void add_config_options(CLI::App& app, ConfigArgument& argument, const std::string& file_meaning);
+void add_config_options(CliCommand app, ConfigArgument& argument, const std::string& file_meaning);
 // The compiled defaults with the argument on top.
 Result<Config> read_config(const ConfigArgument& argument);
 
@@ -41,7 +40,7 @@ struct DaemonOptions {
   bool json = false;       // of the check
 };
 
-void add_daemon_options(CLI::App& app, DaemonOptions& options);
+void add_daemon_options(CliCommand app, DaemonOptions& options);
 // Without --config: what is found in the folder.
 Result<Config> read_daemon_config(const ConfigArgument& argument, const std::string& folder = kConfigFolder);
 

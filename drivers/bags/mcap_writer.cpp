@@ -46,14 +46,14 @@ std::uint32_t checksum(std::span<const std::uint8_t> bytes, std::uint32_t before
   return static_cast<std::uint32_t>(crc32_z(before, bytes.data(), bytes.size()));
 }
 
-struct IndexEntry {
-  std::uint64_t time;
-  std::uint64_t at;
-};
-
 }  // namespace
 
 struct McapWriter::Impl {
+  struct IndexEntry {
+    std::uint64_t time;
+    std::uint64_t at;
+  };
+
   ~Impl() {
     if (descriptor >= 0) ::close(descriptor);
     ZSTD_freeCCtx(packer);

@@ -16,7 +16,7 @@ namespace {
 constexpr std::string_view kVersion = "#ROSBAG V2.0\n";
 enum Op : std::uint8_t { kMessage = 0x02, kIndex = 0x04, kChunk = 0x05, kConnection = 0x07 };
 constexpr std::uint64_t kMostOfHeader = 1U << 20U;
-constexpr std::uint64_t kMostOfIndex = 1U << 28U;
+constexpr std::uint64_t kLargestIndex = 1U << 28U;
 
 // A field's value; empty = it is not there.
 std::span<const std::uint8_t> field(std::span<const std::uint8_t> header, std::string_view name) {
@@ -44,7 +44,7 @@ std::optional<T> number_field(std::span<const std::uint8_t> header, std::string_
   return LittleEndianReader(value).number<T>();
 }
 
-TimestampNs stamp_of(std::uint64_t seconds_and_ns) {
+TimestampNs ros1_stamp(std::uint64_t seconds_and_ns) {
   return static_cast<TimestampNs>(seconds_and_ns & 0xffffffffU) * 1'000'000'000 +
          static_cast<TimestampNs>(seconds_and_ns >> 32U);
 }
@@ -114,7 +114,7 @@ class Ros1Bag final : public ChunkedBag {
         const auto connection = number_field<std::uint32_t>(header_, "conn");
         const auto time = number_field<std::uint64_t>(header_, "time");
         if (torn || !connection || !time) return true;
-        return add_message(*connection, stamp_of(*time), record.at - 8 - header_.size(), chunk);
+        return add_message(*connection, ros1_stamp(*time), record.at - 8 - header_.size(), chunk);
       }
       case kChunk:
         if (chunk < 0) take_chunk(record);
@@ -162,12 +162,12 @@ class Ros1Bag final : public ChunkedBag {
   bool take_index(const Record& record) {
     const auto version = number_field<std::uint32_t>(header_, "ver");
     const auto connection = number_field<std::uint32_t>(header_, "conn");
-    if (!open_chunk_ || version != 1U || !connection || !load(record, -1, kMostOfIndex)) return true;
+    if (!open_chunk_ || version != 1U || !connection || !load(record, -1, kLargestIndex)) return true;
     chunk_is_indexed_ = true;
     LittleEndianReader entries(bytes_);
     while (entries.left() >= 12) {
       const auto time = entries.number<std::uint64_t>();
-      if (!add_message(*connection, stamp_of(time), entries.number<std::uint32_t>(), *open_chunk_)) return false;
+      if (!add_message(*connection, ros1_stamp(time), entries.number<std::uint32_t>(), *open_chunk_)) return false;
     }
     return true;
   }

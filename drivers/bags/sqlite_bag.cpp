@@ -15,7 +15,7 @@ namespace cliquevo::drivers {
 
 namespace {
 
-constexpr int kLargestMessage = 1 << 30;
+constexpr int kLongestValue = 1 << 30;
 
 struct CloseDatabase {
   void operator()(sqlite3* db) const { sqlite3_close_v2(db); }
@@ -56,7 +56,7 @@ class SqliteBag final : public Bag {
     const int opened = sqlite3_open_v2(uri_of(path_).c_str(), &db, SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, nullptr);
     db_.reset(db);
     if (opened != SQLITE_OK) return Error{"cannot open bag", path_, db != nullptr ? sqlite3_errmsg(db) : "no memory"};
-    sqlite3_limit(db, SQLITE_LIMIT_LENGTH, kLargestMessage);
+    sqlite3_limit(db, SQLITE_LIMIT_LENGTH, kLongestValue);
     // A schema may hold anything, triggers and views with functions too.
     sqlite3_db_config(db, SQLITE_DBCONFIG_DEFENSIVE, 1, nullptr);
     sqlite3_db_config(db, SQLITE_DBCONFIG_TRUSTED_SCHEMA, 0, nullptr);

@@ -19,7 +19,7 @@ constexpr std::size_t kLeastViews = 5;
 constexpr std::size_t kLeastCornersOfView = 6;
 constexpr double kLeastTilt_rad = 0.15;  // between the boards of the views: less fixes no focal length
 constexpr double kOutlierSigmas = 5.0;   // of one coordinate
-constexpr double kLeastSigma_px =
+constexpr double kLeastOutlierSigma_px =
     0.01;                              // corners that are better than that differ in what they are off by all the same
 constexpr double kMostOutliers = 0.3;  // of a view's corners: then the view is no view
 constexpr double kMostShift = 0.25;    // of the rig between two views, as a share of the way to the board
@@ -139,8 +139,8 @@ bool drop_outliers(const Board& board, Solution& s, std::vector<RigidTransform>&
   if (lengths.empty()) return false;
   const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
   std::nth_element(lengths.begin(), middle, lengths.end());
-  constexpr double kNormalMedian = 1.1774;  // of a two-dimensional normal vector's length, in sigmas
-  const double most = kOutlierSigmas * std::max(kLeastSigma_px, *middle / kNormalMedian);
+  constexpr double kMedianLength = 1.1774;  // of a two-dimensional normal vector, in sigmas
+  const double most = kOutlierSigmas * std::max(kLeastOutlierSigma_px, *middle / kMedianLength);
   bool dropped = false;
   std::vector<View> views;
   std::vector<RigidTransform> kept_poses;

@@ -13,7 +13,7 @@ namespace cliquevo::calibration {
 
 namespace {
 
-constexpr std::size_t kLeastCorners = 4;
+constexpr std::size_t kCornersOfAHomography = 4;
 // Focal lengths to begin with, over the image's width: 110 to 18 degrees across for a pinhole, 280 to 57 for a fisheye.
 constexpr std::array<double, 8> kPinholeFocal{0.35, 0.5, 0.7, 0.9, 1.2, 1.6, 2.2, 3.2};
 constexpr std::array<double, 8> kFisheyeFocal{0.2, 0.25, 0.3, 0.37, 0.45, 0.55, 0.7, 1.0};
@@ -86,7 +86,7 @@ Adjusted adjust_in_steps(const Board& board, const std::vector<View>& views, con
 
 std::optional<RigidTransform> pose_from_rays(const Board& board, const std::vector<SeenCorner>& corners,
                                              const std::vector<Eigen::Vector3d>& rays) {
-  if (corners.size() < kLeastCorners) return std::nullopt;
+  if (corners.size() < kCornersOfAHomography) return std::nullopt;
   const double scale = board.half_extent().norm();
   const Eigen::Vector2d middle = board.middle();
   Eigen::Matrix<double, 9, 9> A = Eigen::Matrix<double, 9, 9>::Zero();

@@ -10,7 +10,7 @@ namespace cliquevo::drivers {
 
 namespace {
 
-Result<CameraCalibration> read_camera(const Document& entry) {
+Result<CameraCalibration> read_basalt_camera(const Document& entry) {
   CameraCalibration camera;
   const auto values = entry.inner("intrinsics");
   if (!values) return values.error();
@@ -54,7 +54,7 @@ Result<CameraCalibration> read_camera(const Document& entry) {
                "calibrate as pinhole, pinhole-radtan8, kb4, ds, eucm or ucm"};
 }
 
-Result<RigidTransform> read_pose(const Document& entry) {
+Result<RigidTransform> read_basalt_pose(const Document& entry) {
   double v[7];
   int i = 0;
   for (const char* key : {"px", "py", "pz", "qx", "qy", "qz", "qw"}) {
@@ -89,9 +89,9 @@ Result<StereoCalibration> read_basalt(const CalibrationText& file, const Calibra
   StereoCalibration c;
   RigidTransform T_imu_camera[2];
   for (std::size_t side = 0; side < 2; ++side) {
-    const auto camera = read_camera(cameras[side]);
+    const auto camera = read_basalt_camera(cameras[side]);
     if (!camera) return camera.error();
-    const auto pose = read_pose(poses[side]);
+    const auto pose = read_basalt_pose(poses[side]);
     if (!pose) return pose.error();
     (side == 0 ? c.left : c.right) = *camera;
     T_imu_camera[side] = *pose;

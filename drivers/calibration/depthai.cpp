@@ -19,7 +19,7 @@ struct Camera {
   int other = -1;
 };
 
-Result<RigidTransform> read_pose(const Document& extrinsics) {
+Result<RigidTransform> read_depthai_pose(const Document& extrinsics) {
   RigidTransform T;
   const auto R = extrinsics.numbers("rotationMatrix");
   if (!R) return R.error();
@@ -43,7 +43,7 @@ Result<RigidTransform> read_pose(const Document& extrinsics) {
   return T;
 }
 
-Result<Camera> read_camera(const Document& data) {
+Result<Camera> read_depthai_camera(const Document& data) {
   Camera out;
   const auto K = data.numbers("intrinsicMatrix", 9);
   if (!K) return K.error();
@@ -66,7 +66,7 @@ Result<Camera> read_camera(const Document& data) {
   }
   const auto extrinsics = data.inner("extrinsics");
   if (!extrinsics) return extrinsics.error();
-  const auto pose = read_pose(*extrinsics);
+  const auto pose = read_depthai_pose(*extrinsics);
   if (!pose) return pose.error();
   out.T_other_this = *pose;
   if (const auto other = extrinsics->number("toCameraSocket")) {
@@ -87,7 +87,7 @@ Result<Cameras> read_cameras(const Document& file) {
     if (socket->size() != 1 || !((*socket)[0] >= 0.0 && (*socket)[0] < 100.0)) {
       return calibration_error("socket of a camera is absurd", file.where("cameraData"));
     }
-    const auto camera = read_camera(Document::of(item.items[1], file.path()));
+    const auto camera = read_depthai_camera(Document::of(item.items[1], file.path()));
     if (camera) out[static_cast<int>((*socket)[0])] = *camera;  // an empty socket has no numbers
   }
   return out;

@@ -34,7 +34,7 @@ Result<void> set_model(const std::string& model, std::vector<double> terms, cons
   return set_distortion(model, terms, yaml.where("camera_model"), camera);
 }
 
-Result<CameraCalibration> read_camera(const Document& yaml) {
+Result<CameraCalibration> read_sensor(const Document& yaml) {
   CameraCalibration camera;
   const std::string model = yaml.word("camera_model");
   const std::size_t in_front = model == "omni" ? 1 : model == "eucm" || model == "ds" ? 2 : 0;
@@ -158,7 +158,7 @@ Result<StereoCalibration> read_euroc(const CalibrationText& file, const Calibrat
   const Document& right = swapped ? *file.document : *second;
   StereoCalibration c;
   for (const Document* side : {&left, &right}) {
-    const Result<CameraCalibration> camera = read_camera(*side);
+    const Result<CameraCalibration> camera = read_sensor(*side);
     if (!camera) return camera.error();
     (side == &left ? c.left : c.right) = *camera;
   }
@@ -180,7 +180,7 @@ Result<StereoCalibration> read_kalibr(const CalibrationText& file, const Calibra
   if (!right) return right.error();
   StereoCalibration c;
   for (const Result<Document>* side : {&left, &right}) {
-    const Result<CameraCalibration> camera = read_camera(**side);
+    const Result<CameraCalibration> camera = read_sensor(**side);
     if (!camera) return camera.error();
     (side == &left ? c.left : c.right) = *camera;
   }

@@ -14,54 +14,54 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostBytes = 1U << 20U;
+constexpr std::size_t kLargestCandidate = 1U << 20U;
 constexpr std::size_t kMostFiles = 200;  // of a folder, that are looked into
 
-constexpr std::array<const char*, 39> kNames{"calib_cam_to_cam.txt",
-                                             "perspective.txt",
-                                             "calib.txt",
-                                             "undistorted_calib_stereo.txt",
-                                             "camchain.yaml",
-                                             "kalibr_imucam_chain.yaml",
-                                             "stereo.yaml",
-                                             "stereo.yml",
-                                             "calibration.yaml",
-                                             "calibration.yml",
-                                             "calibration.json",
-                                             "calib.yaml",
-                                             "calib.yml",
-                                             "stereo_calib.yaml",
-                                             "stereo_calib.yml",
-                                             "stereo_calibration.yaml",
-                                             "stereo_calibration.yml",
-                                             "intrinsics.yml",
-                                             "intrinsics.yaml",
-                                             "extrinsics.yml",
-                                             "left.yaml",
-                                             "left.yml",
-                                             "camera_left.yaml",
-                                             "left_camera.yaml",
-                                             "left_camera_info.yaml",
-                                             "camera_info_left.yaml",
-                                             "cam0.yaml",
-                                             "cam0/sensor.yaml",
-                                             "mav0/cam0/sensor.yaml",
-                                             "left/sensor.yaml",
-                                             "left/camera_info.yaml",
-                                             "camera.txt",
-                                             "calibration.txt",
-                                             "ost.txt",
-                                             "ost.yaml",
-                                             "left.ini",
-                                             "right.yaml",
-                                             "cam1.yaml",
-                                             "cam1/sensor.yaml"};
+constexpr std::array<const char*, 39> kUsualNames{"calib_cam_to_cam.txt",
+                                                  "perspective.txt",
+                                                  "calib.txt",
+                                                  "undistorted_calib_stereo.txt",
+                                                  "camchain.yaml",
+                                                  "kalibr_imucam_chain.yaml",
+                                                  "stereo.yaml",
+                                                  "stereo.yml",
+                                                  "calibration.yaml",
+                                                  "calibration.yml",
+                                                  "calibration.json",
+                                                  "calib.yaml",
+                                                  "calib.yml",
+                                                  "stereo_calib.yaml",
+                                                  "stereo_calib.yml",
+                                                  "stereo_calibration.yaml",
+                                                  "stereo_calibration.yml",
+                                                  "intrinsics.yml",
+                                                  "intrinsics.yaml",
+                                                  "extrinsics.yml",
+                                                  "left.yaml",
+                                                  "left.yml",
+                                                  "camera_left.yaml",
+                                                  "left_camera.yaml",
+                                                  "left_camera_info.yaml",
+                                                  "camera_info_left.yaml",
+                                                  "cam0.yaml",
+                                                  "cam0/sensor.yaml",
+                                                  "mav0/cam0/sensor.yaml",
+                                                  "left/sensor.yaml",
+                                                  "left/camera_info.yaml",
+                                                  "camera.txt",
+                                                  "calibration.txt",
+                                                  "ost.txt",
+                                                  "ost.yaml",
+                                                  "left.ini",
+                                                  "right.yaml",
+                                                  "cam1.yaml",
+                                                  "cam1/sensor.yaml"};
 
 bool is_calibration(const fs::path& path) {
   const std::string extension = path.extension().string();
   const auto known = {".yaml", ".yml", ".json", ".xml", ".conf", ".ini", ".txt"};
   if (std::find(known.begin(), known.end(), extension) == known.end()) return false;
-  Result<std::string> text = read_text_file(path.string(), "calibration", kMostBytes);
+  Result<std::string> text = read_text_file(path.string(), "calibration", kLargestCandidate);
   if (!text) return false;
   const CalibrationText file(path.string(), std::move(*text));
   if (file.broken || file.lines.empty()) return false;
@@ -71,7 +71,7 @@ bool is_calibration(const fs::path& path) {
 
 std::string find_in(const std::string& folder) {
   std::error_code ec;
-  for (const char* name : kNames) {
+  for (const char* name : kUsualNames) {
     const fs::path file = fs::path(folder) / name;
     if (fs::exists(file, ec)) return file.string();
   }

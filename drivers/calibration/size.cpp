@@ -16,11 +16,11 @@ namespace cliquevo::drivers {
 namespace {
 
 constexpr double kMostScale = 8.0;
-constexpr double kSameAspect = 0.01;   // sizes are whole pixels
-constexpr double kLeastChange = 0.02;  // less is a crop or a mix-up, no change of resolution
-constexpr double kOffCentre = 0.2;     // share of the side that a principal point of a whole image stays within
-constexpr double kAgreeing = 0.08;     // scales by both coordinates of principal points
-constexpr double kUnscaled = 0.16;     // deviations of principal points that need no explanation
+constexpr double kSameAspect = 0.01;      // sizes are whole pixels
+constexpr double kLeastChange = 0.02;     // less is a crop or a mix-up, no change of resolution
+constexpr double kOffCentre = 0.2;        // share of the side that a principal point of a whole image stays within
+constexpr double kAgreeingScales = 0.08;  // scales by both coordinates of principal points
+constexpr double kUnscaled = 0.16;        // deviations of principal points that need no explanation
 // By which cameras' and users' resolutions differ.
 constexpr std::array<double, 9> kUsualScales{0.125, 0.25, 1.0 / 3.0, 0.5, 2.0 / 3.0, 1.5, 2.0, 3.0, 4.0};
 
@@ -96,11 +96,11 @@ std::optional<double> scale_by_centres(const CameraCalibration& l, const CameraC
   const double off_y = std::abs(l.cy_px / l.height - 0.5);
   const double x = 0.5 * (l.cx_px + r.cx_px + 1.0) * 2.0 / l.width;
   const double y = 0.5 * (l.cy_px + r.cy_px + 1.0) * 2.0 / l.height;
-  const bool together = x > 0.0 && y > 0.0 && std::abs(x / y - 1.0) < kAgreeing;
+  const bool together = x > 0.0 && y > 0.0 && std::abs(x / y - 1.0) < kAgreeingScales;
   if (together && std::abs(x - 1.0) > kUnscaled && std::abs(y - 1.0) > kUnscaled) {
     const double by = 2.0 / (x + y);
     for (const double usual : kUsualScales) {
-      if (std::abs(by / usual - 1.0) < kAgreeing) return usual;
+      if (std::abs(by / usual - 1.0) < kAgreeingScales) return usual;
     }
     return std::nullopt;
   }

@@ -19,7 +19,7 @@ Result<std::vector<double>> terms(const Document& map, std::initializer_list<con
   return out;
 }
 
-Result<CameraCalibration> read_camera(const Document& file) {
+Result<CameraCalibration> read_vins_camera(const Document& file) {
   CameraCalibration camera;
   const std::string model = file.word("model_type");
   const auto projection = file.inner("projection_parameters");
@@ -93,7 +93,7 @@ Result<StereoCalibration> read_vins(const CalibrationText& file, const Calibrati
     }
     const auto document = read_other(other, {beside(file.path, name)});
     if (!document) return document.error();
-    const auto camera = read_camera(*document);
+    const auto camera = read_vins_camera(*document);
     if (!camera) return camera.error();
     (side == 0 ? c.left : c.right) = *camera;
   }

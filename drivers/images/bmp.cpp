@@ -23,7 +23,7 @@ std::uint32_t number(Bytes file, std::size_t at, std::size_t bytes) {
   return value;
 }
 
-struct Header {
+struct BmpHeader {
   std::int64_t width = 0;
   std::int64_t height = 0;
   bool top_down = false;
@@ -36,7 +36,7 @@ struct Header {
 };
 
 // Where the masks put red, green and blue, if each is a whole byte.
-bool read_masks(Bytes file, Header& out) {
+bool read_masks(Bytes file, BmpHeader& out) {
   const std::size_t at = kFileHeader + kInfoHeader;
   if (file.size() < at + 12) return false;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -48,7 +48,7 @@ bool read_masks(Bytes file, Header& out) {
   return true;
 }
 
-std::string read_header(Bytes file, Header& out) {
+std::string read_header(Bytes file, BmpHeader& out) {
   if (file.size() < kFileHeader + kOldHeader) return kTorn;
   out.pixels_at = number(file, 10, 4);
   const std::size_t size = number(file, 14, 4);
@@ -74,7 +74,7 @@ std::string read_header(Bytes file, Header& out) {
   return {};
 }
 
-std::array<std::uint8_t, 256> read_palette(Bytes file, const Header& header) {
+std::array<std::uint8_t, 256> read_palette(Bytes file, const BmpHeader& header) {
   std::array<std::uint8_t, 256> grey{};
   for (std::size_t i = 0; i < header.palette_size; ++i) {
     const std::uint8_t* entry = file.data() + header.palette_at + i * header.palette_entry;
@@ -88,7 +88,7 @@ std::array<std::uint8_t, 256> read_palette(Bytes file, const Header& header) {
 bool is_bmp(Bytes file) { return file.size() >= 2 && file[0] == 'B' && file[1] == 'M'; }
 
 std::string decode_bmp(Bytes file, GreyPicture& picture) {
-  Header header;
+  BmpHeader header;
   if (std::string bad = read_header(file, header); !bad.empty()) return bad;
   if (std::string refused = refuse_size(header.width, header.height); !refused.empty()) return refused;
   const std::size_t stride = (static_cast<std::size_t>(header.width) * header.bits + 31) / 32 * 4;

@@ -40,7 +40,7 @@ class Tokens {
   std::size_t at_ = 2;
 };
 
-struct Header {
+struct NetpbmHeader {
   int width = 0;
   int height = 0;
   unsigned most = 0;  // the brightest value
@@ -49,9 +49,9 @@ struct Header {
 };
 
 // Where the samples come from: binary (two bytes big-endian above 255) or decimal text.
-class Samples {
+class SampleReader {
  public:
-  Samples(const Header& header, Tokens tokens) : header_(header), tokens_(tokens), data_(tokens.rest()) {}
+  SampleReader(const NetpbmHeader& header, Tokens tokens) : header_(header), tokens_(tokens), data_(tokens.rest()) {}
 
   bool next(unsigned& value) {
     if (header_.text) {
@@ -69,7 +69,7 @@ class Samples {
   }
 
  private:
-  const Header& header_;
+  const NetpbmHeader& header_;
   Tokens tokens_;
   Bytes data_;
   std::size_t at_ = 0;
@@ -77,9 +77,9 @@ class Samples {
 
 // Values up to a power of two less one stay as they are, others are spread over the full range.
 template <typename T>
-std::string read_pixels(const Header& header, Tokens tokens, bool spread, ImageView<T> out) {
+std::string read_pixels(const NetpbmHeader& header, Tokens tokens, bool spread, ImageView<T> out) {
   const unsigned full = sizeof(T) == 1 ? 255U : 65535U;
-  Samples samples(header, tokens);
+  SampleReader samples(header, tokens);
   for (int y = 0; y < out.height; ++y) {
     T* row = out.row(y);
     for (int x = 0; x < out.width; ++x) {
@@ -109,7 +109,7 @@ std::string decode_netpbm(Bytes file, GreyPicture& picture) {
   if (!width || !height || !most || *most < 1 || *most > 65535) return kTorn;
   if (std::string refused = refuse_size(*width, *height); !refused.empty()) return refused;
   tokens.skip_one();  // exactly one blank ends the header
-  Header header{static_cast<int>(*width), static_cast<int>(*height), *most, 1, file[1] == '2' || file[1] == '3'};
+  NetpbmHeader header{static_cast<int>(*width), static_cast<int>(*height), *most, 1, file[1] == '2' || file[1] == '3'};
   if (file[1] == '3' || file[1] == '6') header.channels = 3;
   const std::size_t samples = std::size_t{*width} * *height * static_cast<std::size_t>(header.channels);
   // Text takes two characters a sample, but for the last.

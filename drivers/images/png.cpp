@@ -66,20 +66,20 @@ void to_grey_row(const T* from, int channels, int width, T* to) {
   for (int x = 0; x < width; ++x, from += channels) to[x] = static_cast<T>(grey_of_rgb(from[0], from[1], from[2]));
 }
 
-struct Samples {
+struct PngSamples {
   int format;    // SPNG_FMT_*
   int channels;  // of a decoded row
   bool deep;
 };
 
-Samples samples_of(const spng_ihdr& header) {
+PngSamples samples_of(const spng_ihdr& header) {
   if (header.color_type == SPNG_COLOR_TYPE_GRAYSCALE && header.bit_depth <= 8) return {SPNG_FMT_G8, 1, false};
   if (header.color_type == SPNG_COLOR_TYPE_INDEXED) return {SPNG_FMT_RGB8, 3, false};
   return {SPNG_FMT_PNG, channels_of(header), header.bit_depth == 16};
 }
 
 template <typename T>
-bool decode_pixels(spng_ctx* context, const spng_ihdr& header, const Samples& samples, ImageView<T> out) {
+bool decode_pixels(spng_ctx* context, const spng_ihdr& header, const PngSamples& samples, ImageView<T> out) {
   const std::size_t row = static_cast<std::size_t>(out.width) * static_cast<std::size_t>(samples.channels);
   if (header.interlace_method != SPNG_INTERLACE_NONE) {
     std::vector<T> all(row * static_cast<std::size_t>(out.height));
@@ -121,7 +121,7 @@ std::string decode_png(Bytes file, GreyPicture& picture) {
   const int height = static_cast<int>(header.height);
   const std::size_t bits = static_cast<std::size_t>(header.bit_depth) * static_cast<std::size_t>(channels_of(header));
   if ((bits * header.width + 7) / 8 * header.height > (compressed + 16) * kMostExpansion) return kTorn;
-  const Samples samples = samples_of(header);
+  const PngSamples samples = samples_of(header);
   picture.deep = samples.deep;
   if (samples.deep) {
     picture.words.resize(width, height);

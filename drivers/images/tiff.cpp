@@ -61,7 +61,7 @@ File open(Source& source) {
   return tiff;
 }
 
-struct Header {
+struct TiffHeader {
   std::uint32_t width = 0;
   std::uint32_t height = 0;
   std::uint16_t bits = 0;
@@ -89,7 +89,7 @@ std::uint64_t expansion_of(std::uint16_t compression) {
   }
 }
 
-std::string read_header(TIFF* tiff, std::size_t file_size, Header& out) {
+std::string read_header(TIFF* tiff, std::size_t file_size, TiffHeader& out) {
   std::uint16_t compression = 0;
   std::uint16_t planes = 0;
   std::uint16_t kind = 0;
@@ -120,7 +120,7 @@ std::string read_header(TIFF* tiff, std::size_t file_size, Header& out) {
 template <typename T>
 class Pixels {
  public:
-  Pixels(TIFF* tiff, const Header& header)
+  Pixels(TIFF* tiff, const TiffHeader& header)
       : tiff_(tiff),
         header_(header),
         channels_(header.colour() ? 3 : 1),
@@ -198,7 +198,7 @@ class Pixels {
   }
 
   TIFF* tiff_;
-  const Header& header_;
+  const TiffHeader& header_;
   std::size_t channels_;
   std::size_t stored_;  // samples a pixel in one plane
   std::size_t planes_ = 1;
@@ -217,7 +217,7 @@ std::string decode_tiff(Bytes file, GreyPicture& picture) {
   Source source{file};
   const File tiff = open(source);
   if (!tiff) return kTorn;
-  Header header;
+  TiffHeader header;
   if (std::string bad = read_header(tiff.get(), file.size(), header); !bad.empty()) return bad;
   const int width = static_cast<int>(header.width);
   const int height = static_cast<int>(header.height);

@@ -3,6 +3,7 @@
 
 #include <chrono>
 
+#include "drivers/recording/letters.h"
 #include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
@@ -10,9 +11,6 @@ namespace cliquevo::drivers {
 namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 // Exactly `digits` digits at the front, taken off.
 std::optional<int> take_number(std::string_view& text, std::size_t digits) {

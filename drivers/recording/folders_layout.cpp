@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "drivers/recording/layout.h"
+#include "drivers/recording/letters.h"
 #include "drivers/recording/side_words.h"
 
 namespace cliquevo::drivers {
@@ -19,11 +20,6 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr int kDepth = 5;
-
-std::string lower(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
 
 bool has_word(const ImageFolder& folder, std::initializer_list<const char*> words) {
   return std::any_of(folder.parts.begin(), folder.parts.end(), [&](const std::string& part) {
@@ -96,11 +92,6 @@ std::optional<FolderPair> only_two(const std::vector<ImageFolder>& folders) {
     if (!other && out.kind >= 0) return out;
   }
   return std::nullopt;
-}
-
-bool same_names(const ImageList& a, const ImageList& b) {
-  return std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(),
-                    [](const RecordedImage& x, const RecordedImage& y) { return x.name == y.name; });
 }
 
 // Names that contain the side themselves ("left_0001" and "right_0001") lose that word, so that they match by name.

@@ -7,16 +7,16 @@
 #include <system_error>
 
 #include "drivers/calibration/calibration.h"
+#include "drivers/recording/letters.h"
 
 namespace cliquevo::drivers {
 
 namespace fs = std::filesystem;
 
-namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-}  // namespace
+bool same_names(const ImageList& a, const ImageList& b) {
+  return std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(),
+                    [](const RecordedImage& x, const RecordedImage& y) { return x.name == y.name; });
+}
 
 bool is_image_name(const std::string& file) {
   static constexpr std::array<const char*, 9> kExtensions{".png", ".jpg",  ".jpeg", ".pgm", ".ppm",

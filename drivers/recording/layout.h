@@ -23,6 +23,9 @@ struct ImageList {
   std::vector<RecordedImage> images;  // natural order of the names ("9" before "10")
 };
 
+// Whether the images of both have the same names, one by one.
+bool same_names(const ImageList& a, const ImageList& b);
+
 struct Layout {
   std::string description;  // "KITTI odometry folder /data/06"
   std::string root;         // masks are looked for here

@@ -39,11 +39,6 @@ std::string own_times(const std::string& folder, const std::string& shared) {
   return {};
 }
 
-bool same_names(const ImageList& a, const ImageList& b) {
-  return std::equal(a.images.begin(), a.images.end(), b.images.begin(), b.images.end(),
-                    [](const RecordedImage& x, const RecordedImage& y) { return x.name == y.name; });
-}
-
 std::string shared_folder(const Layout& layout) {
   std::error_code ec;
   fs::path left = fs::weakly_canonical(layout.left.folder, ec);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "drivers/recording/dates.h"
+#include "drivers/recording/letters.h"
 #include "drivers/recording/stamps.h"
 #include "drivers/recording/times_file.h"
 #include "drivers/text_file.h"
@@ -13,8 +14,6 @@
 namespace cliquevo::drivers {
 
 namespace {
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // What names begin and end with in common, up to a digit on either side.
 std::pair<std::size_t, std::size_t> common_ends(const std::vector<RecordedImage>& images) {

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr int kDepth = 2;
+constexpr int kFoldersBelow = 2;
 
 struct Sides {
   ImageList left;
@@ -117,8 +117,8 @@ Layout side_by_side_in(const ImageFolder& folder, ImageList list) {
 }
 
 std::vector<ImageFolder> shallowest(const std::string& path) {
-  std::vector<ImageFolder> folders = folders_with_images(path, kDepth);
-  std::size_t least = kDepth;
+  std::vector<ImageFolder> folders = folders_with_images(path, kFoldersBelow);
+  std::size_t least = kFoldersBelow;
   for (const ImageFolder& f : folders) least = std::min(least, f.parts.size());
   folders.erase(
       std::remove_if(folders.begin(), folders.end(), [&](const ImageFolder& f) { return f.parts.size() != least; }),
@@ -131,8 +131,8 @@ std::vector<ImageFolder> shallowest(const std::string& path) {
 Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path) {
   std::vector<Layout> found;
   std::vector<std::string> names;
-  std::size_t depth = kDepth + 1;
-  for (const ImageFolder& folder : folders_with_images(path, kDepth)) {
+  std::size_t depth = kFoldersBelow + 1;
+  for (const ImageFolder& folder : folders_with_images(path, kFoldersBelow)) {
     if (folder.parts.size() > depth) continue;
     const Result<ImageList> all = list_images(folder.path);
     if (!all) continue;

@@ -30,16 +30,16 @@ std::string file_of(const RecorderOptions& options, int number) {
   return (whole.parent_path() / name).string();
 }
 
-struct Event {
-  std::string channel;
-  std::vector<std::uint8_t> data;
-  std::int64_t utime = 0;
-  bool is_pair = false;
-};
-
 }  // namespace
 
 struct Recorder::Impl {
+  struct Event {
+    std::string channel;
+    std::vector<std::uint8_t> data;
+    std::int64_t utime = 0;
+    bool is_pair = false;
+  };
+
   Impl(const RecorderOptions& o, std::vector<std::uint8_t> calibration_)
       : options(o), calibration(std::move(calibration_)) {
     for (const std::string& file : options.older_files) {
@@ -199,14 +199,14 @@ bool Recorder::add(const StereoPair& pair, std::int64_t utime) {
   const std::size_t pixels =
       static_cast<std::size_t>(pair.left.width()) * static_cast<std::size_t>(pair.left.height()) +
       static_cast<std::size_t>(pair.right.width()) * static_cast<std::size_t>(pair.right.height());
-  return impl_->queue(pixels, true, impl_->options.wait_when_full, utime, [&pair](Event& event) {
+  return impl_->queue(pixels, true, impl_->options.wait_when_full, utime, [&pair](Impl::Event& event) {
     event.channel = kStereoChannel;
     encode_stereo(pair, event.data);
   });
 }
 
 bool Recorder::add(const std::string& channel, const std::uint8_t* data, std::size_t size, std::int64_t utime) {
-  return impl_->queue(size, false, false, utime, [&](Event& event) {
+  return impl_->queue(size, false, false, utime, [&](Impl::Event& event) {
     event.channel = channel;
     event.data.assign(data, data + size);
   });

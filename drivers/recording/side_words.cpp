@@ -5,6 +5,8 @@
 #include <array>
 #include <utility>
 
+#include "drivers/recording/letters.h"
+
 namespace cliquevo::drivers {
 
 namespace {
@@ -25,16 +27,6 @@ constexpr std::array<WordPair, 9> kWords{{{"left", "right", kWordKind},
                                           {"camb", "camc", kFirstOtherKind + 3},
                                           {"cam_a", "cam_b", kFirstOtherKind + 4},
                                           {"cama", "camb", kFirstOtherKind + 4}}};
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_lower(char c) { return c >= 'a' && c <= 'z'; }
-bool is_upper(char c) { return c >= 'A' && c <= 'Z'; }
-bool is_letter(char c) { return is_lower(c) || is_upper(c); }
-
-std::string lower(std::string text) {
-  for (char& c : text) c = is_upper(c) ? static_cast<char>(c - 'A' + 'a') : c;
-  return text;
-}
 
 // A single letter that is a word of its own: between separators, digits or changes of case.
 bool stands_alone(const std::string& name, std::size_t at) {

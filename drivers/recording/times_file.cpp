@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "drivers/recording/dates.h"
+#include "drivers/recording/letters.h"
 #include "drivers/recording/times_rows.h"
 #include "drivers/text_file.h"
 
@@ -17,21 +18,13 @@ namespace cliquevo::drivers {
 
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kOneSecond = 1'000'000'000;
 constexpr double kLeastRate = 0.5;  // Hz, of any recording worth the name
 constexpr double kMostRate = 1000.0;
 constexpr double kOrdinaryRate = 20.0;
-constexpr std::array<std::int64_t, 4> kUnits{kSecond, 1'000'000, 1'000, 1};
+constexpr std::array<std::int64_t, 4> kUnits{kOneSecond, 1'000'000, 1'000, 1};
 constexpr std::size_t kMostColumns = 32;
 constexpr std::int64_t kLeastEpoch = 100'000'000'000;  // whole numbers from here on are ms, us or ns since 1970
-
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
 
 std::optional<TimestampNs> within_bounds(std::optional<TimestampNs> stamp) {
   return stamp && *stamp >= -kMostStampNs && *stamp <= kMostStampNs ? stamp : std::nullopt;
@@ -96,7 +89,7 @@ std::optional<TimeColumns> seconds_and_part(const std::vector<Column>& columns) 
     const Column& s = columns[i - 1];
     const Column& p = columns[i];
     if (!s.usable || !p.usable || !s.whole || !p.whole) continue;
-    if (s.least < 0 || s.most >= kLeastEpoch || p.least < 0 || p.most >= kSecond || (p.still && s.rising)) continue;
+    if (s.least < 0 || s.most >= kLeastEpoch || p.least < 0 || p.most >= kOneSecond || (p.still && s.rising)) continue;
     if (s.counting && p.rising && columns.size() > 1) continue;
     TimeColumns found{i - 1, i, 1};
     if (p.most >= 1'000'000) return found;
@@ -201,7 +194,7 @@ std::optional<std::int64_t> unit_in(const std::string& heading) {
 }
 
 std::optional<TimestampNs> scaled(std::string_view word, std::int64_t unit_ns) {
-  if (unit_ns == kSecond) return within_bounds(parse_seconds(word));
+  if (unit_ns == kOneSecond) return within_bounds(parse_seconds(word));
   if (const auto whole = parse_integer(word)) {
     TimestampNs out = 0;
     if (__builtin_mul_overflow(*whole, unit_ns, &out)) return std::nullopt;
@@ -236,9 +229,9 @@ Result<std::vector<TimestampNs>> joined_stamps(const std::vector<TimesRow>& rows
   std::vector<TimestampNs> out;
   for (const TimesRow& row : rows) {
     if (*time.part >= row.words.size()) return no_time(path, row.line);
-    const auto seconds = scaled(row.words[time.seconds], kSecond);
+    const auto seconds = scaled(row.words[time.seconds], kOneSecond);
     const auto parts = parse_integer(row.words[*time.part]);
-    if (!seconds || !parts || *parts < 0 || *parts >= kSecond) return no_time(path, row.line);
+    if (!seconds || !parts || *parts < 0 || *parts >= kOneSecond) return no_time(path, row.line);
     const auto stamp = within_bounds(*seconds + *parts * time.part_unit_ns);
     if (!stamp) return no_time(path, row.line);
     out.push_back(*stamp);
@@ -250,7 +243,7 @@ Result<std::vector<TimestampNs>> joined_stamps(const std::vector<TimesRow>& rows
 std::int64_t obvious_unit(const std::vector<TimesRow>& rows, std::size_t column) {
   std::int64_t unit = -1;
   for (const TimesRow& row : rows) {
-    std::int64_t here = kSecond;
+    std::int64_t here = kOneSecond;
     const auto whole = column < row.words.size() ? parse_integer(row.words[column]) : std::nullopt;
     if (whole && *whole >= kLeastEpoch)
       here = *whole >= 100'000'000'000'000'000 ? 1 : *whole >= 100'000'000'000'000 ? 1'000 : 1'000'000;
@@ -328,7 +321,7 @@ std::optional<std::int64_t> unit_by_step(double step) {
 }
 
 std::string unit_name(std::int64_t unit_ns) {
-  return unit_ns == kSecond ? "s" : unit_ns == 1'000'000 ? "ms" : unit_ns == 1'000 ? "us" : "ns";
+  return unit_ns == kOneSecond ? "s" : unit_ns == 1'000'000 ? "ms" : unit_ns == 1'000 ? "us" : "ns";
 }
 
 Result<TimesTable> parse_times(std::string_view text, const std::string& path) {

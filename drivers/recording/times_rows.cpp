@@ -6,25 +6,18 @@
 #include <utility>
 
 #include "drivers/recording/dates.h"
+#include "drivers/recording/letters.h"
 #include "drivers/text_file.h"
 
 namespace cliquevo::drivers {
 
 namespace {
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 // Brackets are those of printed lists.
 bool is_between(char c) { return std::string_view(" \t;\r[]()").find(c) != std::string_view::npos; }
 bool is_quote(char c) { return c == '"' || c == '\''; }
 
 bool all_digits(std::string_view text) { return !text.empty() && std::all_of(text.begin(), text.end(), is_digit); }
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  return out;
-}
 
 // How the rows of one file are parted into words.
 struct Parting {

@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "drivers/simulator/image_rectangle.h"
 #include "drivers/simulator/texture.h"
 
 namespace cliquevo::drivers::sim {
 
 namespace {
-
-constexpr double kNearM = 0.12;
 
 struct Corner {
   double u, v;

@@ -15,7 +15,6 @@ namespace cliquevo::drivers::sim {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kMask = Tile::kSize - 1;
 
 using Canvas = LargeArray<float>;
@@ -73,7 +72,7 @@ const std::vector<Direction>& directions() {
   static const std::vector<Direction> kTable = [] {
     std::vector<Direction> t;
     for (int i = 0; i < kDirections; ++i) {
-      const double angle = kPi * i / kDirections;
+      const double angle = std::numbers::pi * i / kDirections;
       t.push_back({static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle))});
     }
     return t;
@@ -199,7 +198,7 @@ Tile make_gravel() {
   for (int layer = 0; layer < 2; ++layer) {
     for (int size = 0; size < 11; ++size) {  // down by a factor of sqrt(2) each
       const double radius = 48.0 * std::pow(2.0, -0.5 * size);
-      const auto count = static_cast<int>(0.10 * area / (kPi * radius * radius));
+      const auto count = static_cast<int>(0.10 * area / (std::numbers::pi * radius * radius));
       for (int i = 0; i < count; ++i) {
         Leaf leaf{};
         leaf.x = random.uniform(0.0, Tile::kSize);
@@ -230,7 +229,7 @@ Tile make_grass() {
   for (int size = 0; size < 7; ++size) {
     const double length = 40.0 * std::pow(2.0, -0.5 * size);
     const double width = std::max(1.0, length / 14.0);
-    const auto count = static_cast<int>(0.22 * area / (kPi * length * width));
+    const auto count = static_cast<int>(0.22 * area / (std::numbers::pi * length * width));
     for (int i = 0; i < count; ++i) {
       Leaf leaf{};
       leaf.x = random.uniform(0.0, Tile::kSize);
@@ -318,7 +317,7 @@ SolidTexture make_stone() {
 
 double ring_noise(std::uint64_t seed, double azimuth, double rise, double around, double stretch) {
   // On a cylinder, so that it closes: three-dimensional noise would do the same for more.
-  const double x = azimuth / (2.0 * kPi) * around;
+  const double x = azimuth / (2.0 * std::numbers::pi) * around;
   const auto period = static_cast<std::int64_t>(around);
   const double fx = std::floor(x);
   const double t = x - fx;
@@ -344,7 +343,7 @@ Panorama make_sky() {
     const double rise =
         static_cast<double>(Panorama::kLowestRise) + static_cast<double>(Panorama::kRiseSpan) * (y * k) / h;
     for (int x = 0; x < w / k; ++x) {
-      const double azimuth = 2.0 * kPi * x * k / w;
+      const double azimuth = 2.0 * std::numbers::pi * x * k / w;
       double cloud = 0.0;
       double amplitude = 1.0;
       double around = 14.0;
@@ -357,7 +356,7 @@ Panorama make_sky() {
   }
   std::vector<float> ridge(w);
   for (int x = 0; x < w; ++x) {
-    const double azimuth = 2.0 * kPi * x / w;
+    const double azimuth = 2.0 * std::numbers::pi * x / w;
     double r = 0.028;
     double amplitude = 0.05;
     double around = 9.0;

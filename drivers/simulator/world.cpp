@@ -12,7 +12,6 @@ namespace cliquevo::drivers::sim {
 
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kMarginM = kViewRangeM + 4.0;
 
 struct Bounds {
@@ -161,7 +160,7 @@ void World::add_rock(double x, double y, double radius, std::uint64_t seed) {
   const double length = random.uniform(0.85, 1.25);
   const Eigen::Vector3d axes(radius * length, radius * wide, radius * flat);
   const double tilt = random.uniform(-0.35, 0.35);
-  const double yaw = random.uniform(0.0, 2.0 * kPi);
+  const double yaw = random.uniform(0.0, 2.0 * std::numbers::pi);
   s.R_world_local =
       (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(tilt, Eigen::Vector3d::UnitX()))
           .toRotationMatrix();
@@ -197,7 +196,7 @@ void World::add_post(double x, double y, std::uint64_t seed) {
   const double height = random.uniform(0.5, 1.9);
   s.ground_m = course_.terrain().height(x, y);
   const double lean = random.uniform(0.0, 0.12);
-  const double yaw = random.uniform(0.0, 2.0 * kPi);
+  const double yaw = random.uniform(0.0, 2.0 * std::numbers::pi);
   s.R_world_local =
       (Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * Eigen::AngleAxisd(lean, Eigen::Vector3d::UnitX()))
           .toRotationMatrix();
@@ -343,7 +342,7 @@ std::vector<Solid> World::movers(double frame) const {
     const double ahead = random.uniform(3.5, 8.0);
     const double sway = random.uniform(1.0, 3.0);
     const double rate = random.uniform(0.02, 0.05);
-    const double phase = random.uniform(0.0, 2.0 * kPi);
+    const double phase = random.uniform(0.0, 2.0 * std::numbers::pi);
     const double s =
         (course_.moves() ? options_.step_m * frame : 0.0) + ahead + 1.0 * std::sin(0.6 * rate * frame + 2.0 * phase);
     const Eigen::Vector2d p = course_.position(s);

@@ -243,68 +243,67 @@ int run(const CalibrateArguments& arguments) {
   return run_with_board(arguments, *board);
 }
 
-void add_page_options(CLI::App& command, CalibrateArguments& arguments) {
+void add_page_options(CliCommand command, CalibrateArguments& arguments) {
   command.add_flag("--page", arguments.page, "Guide on a page too: its address is printed");
   command.add_option("--port", arguments.server.port, "Port of the page, 0 = any that is free")
-      ->capture_default_str()
-      ->type_name("N");
+      .capture_default_str()
+      .type_name("N");
   command
       .add_option("--listen", arguments.server.listen,
                   "Address to serve the page at; beyond loopback its address holds a token")
-      ->capture_default_str()
-      ->type_name("ADDR");
+      .capture_default_str()
+      .type_name("ADDR");
 }
 
 }  // namespace
 
-void add_board_calibration_command(CLI::App& app, int& exit_code, const std::string& version) {
+void add_board_calibration_command(CliCommand app, int& exit_code, const std::string& version) {
   auto arguments = std::make_shared<CalibrateArguments>();
   arguments->version = version;
-  CLI::App* command = app.add_subcommand("calibrate", kCalibratePurpose);
-  command->add_option("SOURCE", arguments->source.text,
-                      "A recording or folder of image pairs; left out: the configuration's source (cameras)");
+  const CliCommand command = app.add_subcommand("calibrate", kCalibratePurpose);
+  command.add_option("SOURCE", arguments->source.text,
+                     "A recording or folder of image pairs; left out: the configuration's source (cameras)");
   command
-      ->add_option("--board", arguments->board,
-                   "KIND:COLSxROWS:SIZE_M: chessboard (inner corners, side of a square), charuco (squares, side of a "
-                   "square[:marker's share]), aprilgrid (tags, side of a tag[:gap's share]), circles (dots, distance)")
-      ->type_name("BOARD");
-  command
-      ->add_option("--out", arguments->out, "Calibration to write; with --make-board the board, FILE.pdf or FILE.svg")
-      ->required()
-      ->type_name("FILE");
-  command->add_option("--format", arguments->format, "Of the file: " + writer_names())
-      ->check([](const std::string& name) {
+      .add_option("--board", arguments->board,
+                  "KIND:COLSxROWS:SIZE_M: chessboard (inner corners, side of a square), charuco (squares, side of a "
+                  "square[:marker's share]), aprilgrid (tags, side of a tag[:gap's share]), circles (dots, distance)")
+      .type_name("BOARD");
+  command.add_option("--out", arguments->out, "Calibration to write; with --make-board the board, FILE.pdf or FILE.svg")
+      .required()
+      .type_name("FILE");
+  command.add_option("--format", arguments->format, "Of the file: " + writer_names())
+      .checked_by([](const std::string& name) {
         return drivers::find_calibration_writer(name) != nullptr ? std::string() : "choose " + writer_names();
       })
-      ->type_name("NAME")
-      ->capture_default_str();
+      .type_name("NAME")
+      .capture_default_str();
   command
-      ->add_option("--model", arguments->model,
-                   "Lens: radtan, plumb_bob, rational, equidistant; auto: by views held out")
-      ->check([](const std::string& name) {
+      .add_option("--model", arguments->model,
+                  "Lens: radtan, plumb_bob, rational, equidistant; auto: by views held out")
+      .checked_by([](const std::string& name) {
         return name == "auto" || calibration::find_lens_model(name) != nullptr
                    ? std::string()
                    : std::string("choose auto, radtan, plumb_bob, rational or equidistant");
       })
-      ->type_name("NAME")
-      ->capture_default_str();
-  command->add_flag("--square-pixels", arguments->square_pixels, "One focal length a camera");
-  command->add_option("--compare", arguments->compare, "Say how far another calibration of this rig is off")
-      ->type_name("FILE");
-  command->add_option("--report", arguments->report, "A page with the errors over the image")->type_name("FILE.html");
-  command->add_option("--max-views", arguments->most_views, "Stop looking after so many views")
-      ->check(CLI::Range(std::int64_t{5}, std::int64_t{1000}))
-      ->type_name("N")
-      ->capture_default_str();
-  daemon::add_config_options(*command, arguments->config, "Configuration with the source");
-  add_page_options(*command, *arguments);
-  command->add_flag("--json", arguments->json, "Print the result as JSON");
-  command->add_flag("--make-board", arguments->make_board, "Write the board to print, at true scale, instead");
-  command->add_flag("--from-driving", arguments->from_driving,
-                    "No board: correct the recording's calibration by what ordinary driving shows");
-  add_calibration_options(*command, arguments->source);
-  add_recording_options(*command, arguments->source);
-  command->footer(
+      .type_name("NAME")
+      .capture_default_str();
+  command.add_flag("--square-pixels", arguments->square_pixels, "One focal length a camera");
+  command.add_option("--compare", arguments->compare, "Say how far another calibration of this rig is off")
+      .type_name("FILE");
+  command.add_option("--report", arguments->report, "A page with the errors over the image").type_name("FILE.html");
+  command.add_option("--max-views", arguments->most_views, "Stop looking after so many views")
+      .between(std::int64_t{5}, std::int64_t{1000})
+      .type_name("N")
+      .capture_default_str();
+  daemon::add_config_options(command, arguments->config, "Configuration with the source");
+  add_page_options(command, *arguments);
+  command.add_flag("--json", arguments->json, "Print the result as JSON");
+  command.add_flag("--make-board", arguments->make_board, "Write the board to print, at true scale, instead");
+  command.add_flag("--from-driving", arguments->from_driving,
+                   "No board: correct the recording's calibration by what ordinary driving shows");
+  add_calibration_options(command, arguments->source);
+  add_recording_options(command, arguments->source);
+  command.footer(
       "Ctrl-C ends the looking; what was collected is used. With cameras it guides, in the terminal and with --page "
       "on\n"
       "a page, takes views by itself, and ends when it is enough.\n"
@@ -314,7 +313,7 @@ void add_board_calibration_command(CLI::App& app, int& exit_code, const std::str
       "  cliquevo calibrate drive/ --from-driving --out corrected.yaml\n"
       "  cliquevo calibrate --config rig.yaml --page --board aprilgrid:6x6:0.088:0.3 --out new.yaml --compare "
       "rig_old.yaml");
-  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  command.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools

@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include <CLI/CLI.hpp>
+#include "daemon/pipeline/cli_command.h"
 
 namespace cliquevo::tools {
 
-void add_board_calibration_command(CLI::App& app, int& exit_code, const std::string& version);
+void add_board_calibration_command(CliCommand app, int& exit_code, const std::string& version);
 
 }  // namespace cliquevo::tools

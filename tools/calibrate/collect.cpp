@@ -20,8 +20,8 @@ namespace {
 
 using calibration::View;
 
-constexpr int kGuesses = 5;             // pairs in which something else is looked for
-constexpr double kMostSkewed_px = 0.1;  // by motion between the exposures of both cameras
+constexpr int kMostGuesses = 5;       // pairs in which something else is looked for
+constexpr double kMostSkew_px = 0.1;  // by motion between the exposures of both cameras
 constexpr std::size_t kMostMoving = 600;
 constexpr std::size_t kFewViews = 12;
 
@@ -46,7 +46,7 @@ class Collector {
     last_ = view;
     last_ns_ = pair.stamp_ns;
     const double skewed_px = speed_px_s * 1e-9 * static_cast<double>(std::abs(pair.right_offset_ns));
-    if (options_.most_speed_px_s > 0.0 && (speed_px_s > options_.most_speed_px_s || skewed_px > kMostSkewed_px)) {
+    if (options_.most_speed_px_s > 0.0 && (speed_px_s > options_.most_speed_px_s || skewed_px > kMostSkew_px)) {
       ++out.moving;
       moving_.push_back({speed_px_s, refined(pair, std::move(view))});
       if (moving_.size() > kMostMoving) slowest_first(kMostMoving / 2);
@@ -76,7 +76,7 @@ class Collector {
   }
 
   void guess(const drivers::StereoPair& pair, Collected& out) {
-    if (guesses_ >= kGuesses || !out.guess.empty() || !out.views.empty()) return;
+    if (guesses_ >= kMostGuesses || !out.guess.empty() || !out.views.empty()) return;
     ++guesses_;
     out.guess = detector_.nearest_guess(pair.left.cview());
   }

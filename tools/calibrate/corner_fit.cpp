@@ -20,10 +20,10 @@ constexpr double kLeastFree_px = 0.8;    // beside an edge: with less it is not 
 constexpr double kHalfPixel = 0.5;       // a pixel shows the mean of its area
 constexpr double kFirstBlur_px = 0.4;    // scale of an edge's profile
 constexpr double kLeastBlur_px = 0.05;
-constexpr double kMostBlur_px = 4.0;
-constexpr double kMostMoved_px = 1.0;   // of the place to begin with
-constexpr double kLeastContrast = 5.0;  // half, grey levels
-constexpr double kMostLeftOver = 0.3;   // RMS of the residuals, of half the contrast: else it is another pattern
+constexpr double kWidestBlur_px = 4.0;
+constexpr double kMostMoved_px = 1.0;       // of the place to begin with
+constexpr double kLeastHalfContrast = 5.0;  // half, grey levels
+constexpr double kMostLeftOver = 0.3;       // RMS of the residuals, of half the contrast: else it is another pattern
 constexpr int kLeastPixels = 20;
 constexpr int kMostIterations = 15;
 constexpr double kSettled_px = 2e-4;
@@ -113,7 +113,7 @@ class CornerFit {
  private:
   static Unknowns bounded(Unknowns s) {
     for (int edge = 0; edge < 2; ++edge) {
-      s(kBlur + edge) = std::clamp(s(kBlur + edge), std::log(kLeastBlur_px), std::log(kMostBlur_px));
+      s(kBlur + edge) = std::clamp(s(kBlur + edge), std::log(kLeastBlur_px), std::log(kWidestBlur_px));
     }
     return s;
   }
@@ -123,7 +123,7 @@ class CornerFit {
     const double half_contrast = std::abs(state_(kContrast));
     const double left_over = std::sqrt(cost / static_cast<double>(pixels_.size()));
     if (!state_.allFinite() || moved.norm() > kMostMoved_px) return std::nullopt;
-    if (half_contrast < kLeastContrast || left_over > kMostLeftOver * half_contrast) return std::nullopt;
+    if (half_contrast < kLeastHalfContrast || left_over > kMostLeftOver * half_contrast) return std::nullopt;
     return moved;
   }
 

@@ -46,7 +46,7 @@ struct OpenPlan {
   Plan plan;
 };
 
-std::string absolute(const std::string& path) {
+std::string absolute_folder(const std::string& path) {
   std::error_code error;
   std::string out = fs::absolute(path, error).lexically_normal().string();
   while (out.size() > 1 && out.back() == '/') out.pop_back();
@@ -69,7 +69,7 @@ Result<OpenPlan> write_plan(FleetArguments& arguments) {
     argument.settings.push_back(fmt::format("source.recording.{}={}{}{}", key, quote, value, quote));
   }
   OpenPlan out;
-  out.folder = absolute(arguments.out);
+  out.folder = absolute_folder(arguments.out);
   const auto folder = drivers::OwnFolder::open(out.folder);
   if (!folder) return folder.error();
   const auto program = unit_program(argument.program);
@@ -80,7 +80,7 @@ Result<OpenPlan> write_plan(FleetArguments& arguments) {
   if (!plan) return plan.error();
   out.plan = std::move(*plan);
   out.plan.program = *program;
-  out.plan.cache = argument.cache.empty() ? out.folder + "/results" : absolute(argument.cache);
+  out.plan.cache = argument.cache.empty() ? out.folder + "/results" : absolute_folder(argument.cache);
   const std::string text = plan_text(out.plan);
   const std::string name = plan_file_of(text);
   out.file = out.folder + "/" + name;
@@ -91,7 +91,7 @@ Result<OpenPlan> write_plan(FleetArguments& arguments) {
 
 Result<OpenPlan> open_plan(const std::string& folder) {
   OpenPlan out;
-  out.folder = absolute(folder);
+  out.folder = absolute_folder(folder);
   auto plan = read_plan(out.folder + "/" + kPlanFile);
   if (!plan) return plan.error();
   out.plan = std::move(*plan);
@@ -143,7 +143,7 @@ std::vector<std::string> report_command(const FleetArguments& arguments, const O
                                open.folder};
   if (arguments.baseline.empty()) return out;
   const bool folder = fs::is_directory(arguments.baseline, error);
-  out.insert(out.end(), {"--baseline", folder ? absolute(arguments.baseline) : arguments.baseline, "--gate",
+  out.insert(out.end(), {"--baseline", folder ? absolute_folder(arguments.baseline) : arguments.baseline, "--gate",
                          fmt::format("{}", arguments.gate)});
   return out;
 }
@@ -214,28 +214,26 @@ int run_status(const FleetArguments& arguments) {
   }
 }
 
-void add_plan_options(CLI::App& command, FleetArguments& a, bool sources_required) {
-  command.add_option("--out", a.out, "The fleet's folder: plan, results, report")->required()->type_name("DIR");
-  CLI::Option* sources = command.add_option(
+void add_plan_options(CliCommand command, FleetArguments& a, bool sources_required) {
+  command.add_option("--out", a.out, "The fleet's folder: plan, results, report").required().type_name("DIR");
+  const CliOption sources = command.add_option(
       "SOURCES", a.plan.sources,
       "Recordings: folders, logs, globs in quotes, folders of recordings, sim:..., or @FILE with one a line");
-  if (sources_required) sources->required();
+  if (sources_required) sources.required();
   command.add_option("--config", a.plan.configs, "A configuration; may be given again: each with every recording")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->type_name("FILE");
+      .repeatable()
+      .type_name("FILE");
   command
       .add_option("--set", a.plan.settings,
                   "Set one key, section.key=value; with several values, each of them in turn (a sweep); may be given "
                   "again: every combination")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->type_name("KEY=VALUE,...");
+      .repeatable()
+      .type_name("KEY=VALUE,...");
   const auto sets = [&](const char* option, const char* key, const char* meaning, const char* type) {
     command
         .add_option_function<std::string>(
             option, [&a, key](const std::string& value) { a.reading.emplace_back(key, value); }, meaning)
-        ->type_name(type);
+        .type_name(type);
   };
   sets("--calibration", "calibration", "Calibration instead of the recordings' own", "FILE");
   sets("--rate", "rate_hz", "Pairs a second, whatever times are there", "HZ");
@@ -243,115 +241,114 @@ void add_plan_options(CLI::App& command, FleetArguments& a, bool sources_require
   sets("--last", "last", "Last pair to play", "I");
   sets("--every", "every", "Play every K-th pair", "K");
   command.add_option("--cache", a.plan.cache, "Where results are kept (default: results in DIR); fleets may share it")
-      ->type_name("DIR");
+      .type_name("DIR");
   command.add_flag("--trajectories", a.plan.trajectories, "Keep each unit's trajectory too (KITTI format)");
   command.add_option("--program", a.plan.program, "The program that computes units, at this path on every machine")
-      ->type_name("FILE");
+      .type_name("FILE");
 }
 
-void add_gate_options(CLI::App& command, FleetArguments& a) {
+void add_gate_options(CliCommand command, FleetArguments& a) {
   command
       .add_option("--baseline", a.baseline,
                   "Hold against it, recording by recording: another fleet's folder, or one configuration's name")
-      ->type_name("DIR|NAME");
+      .type_name("DIR|NAME");
   command.add_option("--gate", a.gate, "So many times worse is allowed in each figure of accuracy, as of compare")
-      ->check(CLI::Range(1.0, 1e6))
-      ->capture_default_str()
-      ->type_name("R");
+      .between(1.0, 1e6)
+      .capture_default_str()
+      .type_name("R");
 }
 
-void add_plan_command(CLI::App& fleet, int& exit_code) {
+void add_plan_command(CliCommand fleet, int& exit_code) {
   auto arguments = std::make_shared<FleetArguments>();
-  CLI::App* command = fleet.add_subcommand("plan", "Recordings x configurations: what is to be computed");
-  add_plan_options(*command, *arguments, true);
-  command->footer(
+  const CliCommand command = fleet.add_subcommand("plan", "Recordings x configurations: what is to be computed");
+  add_plan_options(command, *arguments, true);
+  command.footer(
       "Exit codes: 0 planned; 1 no recording can be opened, a bad configuration; 2 wrong usage.\n"
       "Example: cliquevo fleet plan --out season '/data/2026-*' --set stereo.window=7,9 --config new.yaml");
-  command->callback([arguments, &exit_code] { exit_code = run_plan(*arguments); });
+  command.callback([arguments, &exit_code] { exit_code = run_plan(*arguments); });
 }
 
-void add_run_command(CLI::App& fleet, int& exit_code) {
+void add_run_command(CliCommand fleet, int& exit_code) {
   auto arguments = std::make_shared<FleetArguments>();
-  CLI::App* command = fleet.add_subcommand("run", "Compute what has no result yet; with SOURCES, plan it first");
-  add_plan_options(*command, *arguments, false);
+  const CliCommand command = fleet.add_subcommand("run", "Compute what has no result yet; with SOURCES, plan it first");
+  add_plan_options(command, *arguments, false);
   const std::map<std::string, Engine> engines{
       {"local", Engine::local}, {"slurm", Engine::slurm}, {"print", Engine::print}};
   command
-      ->add_option_function<std::string>(
+      .add_option_function<std::string>(
           "--on", [arguments, engines](const std::string& name) { arguments->run.engine = engines.at(name); },
           "local (default): processes here; slurm: a job array, and the report after it; print: task lines for GNU "
           "parallel")
-      ->check(CLI::IsMember({"local", "slurm", "print"}))
-      ->type_name("ENGINE");
-  command->add_option("-j,--jobs", arguments->run.processes, "local: processes at once (default: one a processor)")
-      ->check(CLI::Range(1, 4096))
-      ->type_name("N");
-  command->add_option("--throttle", arguments->run.throttle, "slurm: array elements at once (default: no limit)")
-      ->check(CLI::Range(1, 1000000))
-      ->type_name("N");
-  command->add_option("--units-per-task", arguments->run.units_per_task, "Units a task computes (default: chosen)")
-      ->check(CLI::Range(1, 1000000))
-      ->type_name("N");
+      .one_of({"local", "slurm", "print"})
+      .type_name("ENGINE");
+  command.add_option("-j,--jobs", arguments->run.processes, "local: processes at once (default: one a processor)")
+      .between(1, 4096)
+      .type_name("N");
+  command.add_option("--throttle", arguments->run.throttle, "slurm: array elements at once (default: no limit)")
+      .between(1, 1000000)
+      .type_name("N");
+  command.add_option("--units-per-task", arguments->run.units_per_task, "Units a task computes (default: chosen)")
+      .between(1, 1000000)
+      .type_name("N");
   command
-      ->add_option("--slurm", arguments->run.slurm_options,
-                   "An option for sbatch, e.g. --slurm=--partition=night; may be given again")
-      ->expected(1)
-      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
-      ->type_name("OPTION");
-  add_gate_options(*command, *arguments);
-  command->footer(
+      .add_option("--slurm", arguments->run.slurm_options,
+                  "An option for sbatch, e.g. --slurm=--partition=night; may be given again")
+      .repeatable()
+      .type_name("OPTION");
+  add_gate_options(command, *arguments);
+  command.footer(
       "What has a result is not computed again: run again after whatever went wrong.\n"
       "Exit codes: 0 every unit has a result (slurm: submitted); 1 some have none, each with a line; 2 wrong usage.\n"
       "Examples:\n"
       "  cliquevo fleet run --out season '/data/2026-*' --set stereo.window=7,9\n"
       "  cliquevo fleet run --out season --on slurm --throttle 200\n"
       "  cliquevo fleet run --out season --on print | parallel");
-  command->callback([arguments, &exit_code] { exit_code = run_run(*arguments); });
+  command.callback([arguments, &exit_code] { exit_code = run_run(*arguments); });
 }
 
-void add_status_command(CLI::App& fleet, int& exit_code) {
+void add_status_command(CliCommand fleet, int& exit_code) {
   auto arguments = std::make_shared<FleetArguments>();
-  CLI::App* command = fleet.add_subcommand("status", "How far it is: counts, rate, time left; from any machine");
-  command->add_option("--out", arguments->out, "The fleet's folder")->required()->type_name("DIR");
-  command->add_flag("--json", arguments->json, "Print JSON");
-  command->add_flag("--follow", arguments->follow, "A line every two seconds until nothing waits");
-  command->callback([arguments, &exit_code] { exit_code = run_status(*arguments); });
+  const CliCommand command = fleet.add_subcommand("status", "How far it is: counts, rate, time left; from any machine");
+  command.add_option("--out", arguments->out, "The fleet's folder").required().type_name("DIR");
+  command.add_flag("--json", arguments->json, "Print JSON");
+  command.add_flag("--follow", arguments->follow, "A line every two seconds until nothing waits");
+  command.callback([arguments, &exit_code] { exit_code = run_status(*arguments); });
 }
 
-void add_report_command(CLI::App& fleet, int& exit_code) {
+void add_report_command(CliCommand fleet, int& exit_code) {
   auto arguments = std::make_shared<ReportArguments>();
-  CLI::App* command =
+  const CliCommand command =
       fleet.add_subcommand("report", "One page and JSON on all results: report.html, report.json in DIR");
-  command->add_option("--out", arguments->out, "The fleet's folder")->required()->type_name("DIR");
+  command.add_option("--out", arguments->out, "The fleet's folder").required().type_name("DIR");
   command
-      ->add_option("--baseline", arguments->baseline,
-                   "Hold against it, recording by recording: another fleet's folder, or one configuration's name")
-      ->type_name("DIR|NAME");
-  command->add_option("--gate", arguments->gates.accuracy, "So many times worse is allowed, as of compare")
-      ->check(CLI::Range(1.0, 1e6))
-      ->capture_default_str()
-      ->type_name("R");
+      .add_option("--baseline", arguments->baseline,
+                  "Hold against it, recording by recording: another fleet's folder, or one configuration's name")
+      .type_name("DIR|NAME");
+  command.add_option("--gate", arguments->gates.accuracy, "So many times worse is allowed, as of compare")
+      .between(1.0, 1e6)
+      .capture_default_str()
+      .type_name("R");
   command
-      ->add_option("--pages", arguments->pages,
-                   "Replay so many runs, those with the worst frames, for a page each that the report links to")
-      ->check(CLI::Range(0, 1000))
-      ->capture_default_str()
-      ->type_name("N");
-  command->add_flag("--json", arguments->json, "Print the JSON instead of the summary");
-  command->footer("Exit codes: 0 written; 1 no plan, a bad baseline; 2 wrong usage; 3 worse than the gate.");
-  command->callback([arguments, &exit_code] { exit_code = run_report_command(*arguments); });
+      .add_option("--pages", arguments->pages,
+                  "Replay so many runs, those with the worst frames, for a page each that the report links to")
+      .between(0, 1000)
+      .capture_default_str()
+      .type_name("N");
+  command.add_flag("--json", arguments->json, "Print the JSON instead of the summary");
+  command.footer("Exit codes: 0 written; 1 no plan, a bad baseline; 2 wrong usage; 3 worse than the gate.");
+  command.callback([arguments, &exit_code] { exit_code = run_report_command(*arguments); });
 }
 
 }  // namespace
 
-void add_fleet_command(CLI::App& app, int& exit_code) {
-  CLI::App* fleet = app.add_subcommand("fleet", kFleetPurpose);
-  fleet->require_subcommand(1);
-  add_plan_command(*fleet, exit_code);
-  add_run_command(*fleet, exit_code);
-  add_status_command(*fleet, exit_code);
-  add_report_command(*fleet, exit_code);
-  add_run_unit_command(*fleet, exit_code);
+void add_fleet_command(CliCommand app, int& exit_code) {
+  const CliCommand fleet = app.add_subcommand("fleet", kFleetPurpose);
+  fleet.require_subcommand();
+  add_plan_command(fleet, exit_code);
+  add_run_command(fleet, exit_code);
+  add_status_command(fleet, exit_code);
+  add_report_command(fleet, exit_code);
+  add_run_unit_command(fleet, exit_code);
 }
 
 }  // namespace cliquevo::tools::fleet

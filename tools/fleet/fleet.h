@@ -2,10 +2,10 @@
 // cliquevo fleet: plan, run, status, report, and run-unit, which a node executes.
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include "daemon/pipeline/cli_command.h"
 
 namespace cliquevo::tools::fleet {
 
-void add_fleet_command(CLI::App& app, int& exit_code);
+void add_fleet_command(CliCommand app, int& exit_code);
 
 }  // namespace cliquevo::tools::fleet

@@ -158,22 +158,21 @@ int run(const RunUnitArguments& arguments) {
 
 }  // namespace
 
-void add_run_unit_command(CLI::App& fleet, int& exit_code) {
+void add_run_unit_command(CliCommand fleet, int& exit_code) {
   auto arguments = std::make_shared<RunUnitArguments>();
-  CLI::App* command =
+  const CliCommand command =
       fleet.add_subcommand("run-unit", "Compute units of a plan on this machine: what fleet run starts");
   // Where `fleet` itself is handed over to another program, that must not be inherited.
-  command->prefix_command(false);
-  command->set_help_flag("-h,--help", "Print this help message and exit");
-  command->add_option("--plan", arguments->plan, "The plan's file")->type_name("FILE");
-  command->add_option("--units", arguments->units, "Their numbers in it, from 0: 0-9,12")->type_name("LIST");
-  command->add_flag("--watched", arguments->watched, "Who started it says what stopped it: a full disk, Ctrl-C");
-  command->add_flag("--build", arguments->build, "Print the hash of this program and its libraries, and end");
-  command->footer(
+  command.pass_on_nothing();
+  command.add_option("--plan", arguments->plan, "The plan's file").type_name("FILE");
+  command.add_option("--units", arguments->units, "Their numbers in it, from 0: 0-9,12").type_name("LIST");
+  command.add_flag("--watched", arguments->watched, "Who started it says what stopped it: a full disk, Ctrl-C");
+  command.add_flag("--build", arguments->build, "Print the hash of this program and its libraries, and end");
+  command.footer(
       "Needs no drawing. Exit codes: 0 every unit has its result; 1 one failed, each with a line on stderr, or "
       "another\n"
       "build than the plan's; 2 wrong usage.");
-  command->callback([arguments, &exit_code] { exit_code = run(*arguments); });
+  command.callback([arguments, &exit_code] { exit_code = run(*arguments); });
 }
 
 }  // namespace cliquevo::tools::fleet

@@ -5,9 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
 #include "core/base/result.h"
+#include "daemon/pipeline/cli_command.h"
 #include "tools/fleet/plan.h"
 #include "tools/fleet/store.h"
 
@@ -27,6 +26,6 @@ struct UnitsEnd {
 UnitsEnd run_units(const Plan& plan, const std::vector<std::size_t>& units, Store& store);
 
 // fleet run-unit, as a sub-command of `fleet`.
-void add_run_unit_command(CLI::App& fleet, int& exit_code);
+void add_run_unit_command(CliCommand fleet, int& exit_code);
 
 }  // namespace cliquevo::tools::fleet

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kUsualArraySize = 1001;  // elements' numbers are below it
 // A minute or so of work: an element costs the controller and the node about a second.
 constexpr double kFramesATask = 5000.0;
-constexpr double kUnknownFrames = 1000.0;
+constexpr double kFramesOfUnknown = 1000.0;
 
 std::string first_line(const std::string& text) { return text.substr(0, text.find('\n')); }
 
@@ -47,7 +47,7 @@ std::size_t units_per_task(const Plan& plan, const std::vector<std::size_t>& uni
   double frames = 0.0;
   for (const std::size_t k : units) {
     const std::int64_t known = plan.recording_of(plan.units[k]).frames;
-    frames += known > 0 ? static_cast<double>(known) : kUnknownFrames;
+    frames += known > 0 ? static_cast<double>(known) : kFramesOfUnknown;
   }
   const double mean = frames / static_cast<double>(units.size());
   auto each = static_cast<std::size_t>(std::clamp(kFramesATask / mean, 1.0, 1e6));

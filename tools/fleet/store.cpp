@@ -11,7 +11,7 @@ namespace cliquevo::tools::fleet {
 
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{64} << 20U;
+constexpr std::size_t kLargestResult = std::size_t{64} << 20U;
 constexpr std::size_t kShelf = 2;  // digits
 
 const char* name_of(Part part) { return part == Part::result ? "result" : part == Part::cost ? "cost" : "failure"; }
@@ -46,7 +46,7 @@ Result<drivers::OwnFolder*> Store::shelf(const std::string& key) {
 std::optional<std::string> Store::read(const std::string& key, Part part) {
   const auto folder = shelf(key);
   if (!folder) return std::nullopt;
-  auto all = (*folder)->read(file_of(key, part), kMostBytes);
+  auto all = (*folder)->read(file_of(key, part), kLargestResult);
   const std::size_t end = all ? all->find('\n') : std::string::npos;
   if (end == std::string::npos) return std::nullopt;
   const std::string text = all->substr(end + 1);

@@ -17,7 +17,7 @@ namespace cliquevo::tools::fleet {
 
 namespace {
 
-constexpr int kVersion = 1;  // another number when a result holds other things than before: no key is then known
+constexpr int kResultVersion = 1;  // another number when a result holds other things than before: no key is then known
 
 template <typename Derived>
 std::string numbers(const Eigen::DenseBase<Derived>& values) {
@@ -135,7 +135,7 @@ Result<SourceIdentity> identify(const std::string& source, const daemon::Config&
 std::string unit_key(const std::string& build, const daemon::Config& config, const SourceIdentity& source,
                      bool trajectory) {
   Digest digest;
-  digest.field("unit", fmt::format("{}", kVersion)).field("build", build).field("source", source.digest);
+  digest.field("unit", fmt::format("{}", kResultVersion)).field("build", build).field("source", source.digest);
   digest.field("configuration", keys_below(config, {"rectify.", "stereo.", "odometry."}));
   digest.field("trajectory", trajectory ? "kept" : "not kept");
   return digest.hex();

@@ -73,7 +73,10 @@ std::string option_text(const py::handle& value) {
   if (!py::isinstance<py::tuple>(value) && !py::isinstance<py::list>(value))
     return py::cast<std::string>(py::str(value));
   std::string out;
-  for (const py::handle& one : value) out += (out.empty() ? "" : ":") + py::cast<std::string>(py::str(one));
+  for (const py::handle& one : value) {
+    if (!out.empty()) out += ':';
+    out += py::cast<std::string>(py::str(one));
+  }
   return out;
 }
 

@@ -13,7 +13,7 @@ namespace cliquevo::view {
 
 namespace {
 
-constexpr std::size_t kPointsOfAFrame = 10;
+constexpr std::size_t kDrawnPoints = 10;
 constexpr double kPointsHz = 5.0;
 constexpr int kPointsStep_px = 4;
 
@@ -182,7 +182,7 @@ FrameFacts FactsMaker::make(const daemon::FramePipeline& pipeline, const drivers
   }
   pipeline.list_features(features_);
   if (count_++ % 3 == 0 && e.status == vo::Status::valid) {
-    facts.points = some_points(features_, kPointsOfAFrame, pipeline.model(), T_world_camera);
+    facts.points = some_points(features_, kDrawnPoints, pipeline.model(), T_world_camera);
   }
   return facts;
 }

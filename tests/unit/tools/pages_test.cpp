@@ -2,6 +2,7 @@
 // Man pages and completion, as written from the options.
 #include <string>
 
+#include <CLI/CLI.hpp>
 #include <gtest/gtest.h>
 
 #include "tests/support/subprocess.h"
@@ -14,7 +15,7 @@ namespace cliquevo::tools {
 namespace {
 
 struct Example {
-  CLI::App app{"Plays 'things': see .below", "player"};
+  mutable CLI::App app{"Plays 'things': see .below", "player"};
   std::string file;
   std::string format = "kitti";
   bool strict = false;
@@ -34,7 +35,7 @@ struct Example {
 };
 
 CompletionWords words(const Example& example) {
-  return {{describe_app(example.app)}, {"a.b=true", "a.b=false", "a.c="}};
+  return {{describe_app(CliCommand(example.app))}, {"a.b=true", "a.b=false", "a.c="}};
 }
 
 // What bash offers behind these words; the last one is being typed.
@@ -56,7 +57,7 @@ std::string written(const std::string& name, const std::string& text) {
 
 TEST(OptionTree, HasEveryCommandAndOption) {
   const Example example;
-  const CommandInfo player = describe_app(example.app);
+  const CommandInfo player = describe_app(CliCommand(example.app));
   ASSERT_EQ(flattened(player).size(), 3U);
   EXPECT_EQ(flattened(player)[2]->path, "player run inner");
   const CommandInfo& run = player.commands.at(0);
@@ -69,7 +70,7 @@ TEST(OptionTree, HasEveryCommandAndOption) {
 
 TEST(ManPage, IsReadByManWithoutAWarning) {
   const Example example;
-  const std::string path = written("player.1", man_page(describe_app(example.app), 1, "1.2.3"));
+  const std::string path = written("player.1", man_page(describe_app(CliCommand(example.app)), 1, "1.2.3"));
   const test::Finished shown =
       test::run({"man", "--warnings", "-l", path}, {{"MANWIDTH", "100"}, {"LC_ALL", "C.UTF-8"}, {"PAGER", "cat"}});
   EXPECT_EQ(shown.exit_code, 0);
