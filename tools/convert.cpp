@@ -32,6 +32,7 @@ struct ConvertArguments {
   std::string out;
   std::string config;  // where the camera sits
   std::string to;      // empty = by `out` and the source
+  bool png = false;    // images of an MCAP as PNG
 };
 
 // Where the pairs go.
@@ -130,7 +131,8 @@ Result<std::unique_ptr<Target>> make_bag(const ConvertArguments& arguments, cons
     if (!read) return read.error();
     config = std::move(*read);
   }
-  auto bag = Ros2Bag::create(arguments.out, info, config.T_body_camera);
+  auto bag =
+      Ros2Bag::create(arguments.out, info, config.T_body_camera, arguments.png ? BagImages::png : BagImages::plain);
   if (!bag) return bag.error();
   return std::unique_ptr<Target>(
       std::make_unique<BagTarget>(std::move(*bag), read_logged_poses(arguments.source.text)));
@@ -181,6 +183,9 @@ int run(const ConvertArguments& arguments) {
   auto source = open_source(arguments.source, daemon::default_config().source);
   if (!source) return report(source.error());
   const drivers::SourceInfo& info = (*source)->info();
+  if (arguments.png && target_form(arguments, info) != "mcap") {
+    return report({"wrong usage", "--png", "of an MCAP alone: let OUT end in .mcap, or add --to mcap"}, kWrongUsage);
+  }
   auto target = make_target(arguments, info);
   if (!target) return report(target.error());
 
@@ -239,6 +244,7 @@ void add_convert_command(CliCommand app, int& exit_code) {
       .type_name("FORM");
   convert.add_option("--config", arguments->config, "Of an MCAP: where the camera sits on the body (section body)")
       .type_name("FILE");
+  convert.add_flag("--png", arguments->png, "Of an MCAP: images as PNG (CompressedImage), lossless and smaller");
   add_calibration_options(convert, arguments->source);
   add_recording_options(convert, arguments->source);
   convert.footer(

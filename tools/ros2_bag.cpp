@@ -10,6 +10,7 @@
 #include "daemon/ros2/thinned_path.h"
 #include "drivers/bags/mcap_writer.h"
 #include "drivers/bags/ros2_definitions.h"
+#include "drivers/images/png_writer.h"
 #include "stereo/rectification.h"
 
 namespace cliquevo::tools {
@@ -21,8 +22,8 @@ constexpr std::int64_t kPathEvery_ns = 1'000'000'000;
 }  // namespace
 
 struct Ros2Bag::Impl {
-  Impl(drivers::McapWriter out, StereoCalibration of_source, const RigidTransform& camera)
-      : writer(std::move(out)), calibration(std::move(of_source)), T_body_camera(camera) {
+  Impl(drivers::McapWriter out, StereoCalibration of_source, const RigidTransform& camera, BagImages form)
+      : writer(std::move(out)), calibration(std::move(of_source)), T_body_camera(camera), images(form) {
     if (calibration.prescribed) return;
     if (auto chosen = stereo::choose_rectification(calibration)) calibration.prescribed = *chosen;
   }
@@ -39,12 +40,23 @@ struct Ros2Bag::Impl {
     return writer.write(channel->second, stamp_ns, cdr.bytes());
   }
 
+  Result<void> write_image(const std::string& topic, const drivers::StereoPair& pair, bool left) {
+    const std::string_view frame = left ? ros2::kLeftFrame : ros2::kRightFrame;
+    const ImageView<const std::uint8_t> image = left ? pair.left.cview() : pair.right.cview();
+    if (images == BagImages::plain) {
+      ros2::put_image(pair.stamp_ns, frame, image, cdr);
+      return write(topic, "sensor_msgs", "Image", pair.stamp_ns);
+    }
+    const auto file = drivers::encode_png(image);
+    if (!file) return file.error();
+    ros2::put_png(pair.stamp_ns, frame, *file, cdr);
+    return write(topic + "/compressed", "sensor_msgs", "CompressedImage", pair.stamp_ns);
+  }
+
   Result<void> write_camera(const drivers::StereoPair& pair, bool left) {
     const std::string camera = left ? "/stereo/left" : "/stereo/right";
-    ros2::put_image(pair.stamp_ns, left ? ros2::kLeftFrame : ros2::kRightFrame,
-                    left ? pair.left.cview() : pair.right.cview(), cdr);
-    const char* name = calibration.rectified ? "/image_rect" : "/image_raw";
-    if (auto ok = write(camera + name, "sensor_msgs", "Image", pair.stamp_ns); !ok) return ok;
+    const std::string topic = camera + (calibration.rectified ? "/image_rect" : "/image_raw");
+    if (auto ok = write_image(topic, pair, left); !ok) return ok;
     ros2::put_camera_info(pair.stamp_ns, calibration, left, cdr);
     return write(camera + "/camera_info", "sensor_msgs", "CameraInfo", pair.stamp_ns);
   }
@@ -73,6 +85,7 @@ struct Ros2Bag::Impl {
   drivers::McapWriter writer;
   StereoCalibration calibration;
   RigidTransform T_body_camera;
+  BagImages images;
   std::map<std::string, std::uint16_t> channels;
   drivers::CdrWriter cdr;
   ros2::ThinnedPath path;
@@ -87,10 +100,10 @@ Ros2Bag::~Ros2Bag() = default;
 std::int64_t Ros2Bag::bytes() const { return impl_->writer.bytes(); }
 
 Result<Ros2Bag> Ros2Bag::create(const std::string& path, const drivers::SourceInfo& info,
-                                const RigidTransform& T_body_camera) {
+                                const RigidTransform& T_body_camera, BagImages images) {
   auto writer = drivers::McapWriter::create(path);
   if (!writer) return writer.error();
-  return Ros2Bag(std::make_unique<Impl>(std::move(*writer), info.calibration, T_body_camera));
+  return Ros2Bag(std::make_unique<Impl>(std::move(*writer), info.calibration, T_body_camera, images));
 }
 
 Result<void> Ros2Bag::add(const drivers::StereoPair& pair) {

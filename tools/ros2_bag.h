@@ -15,10 +15,13 @@
 
 namespace cliquevo::tools {
 
+// How the bag holds images: `png` is lossless, takes about half the room and some of a processor.
+enum class BagImages { plain, png };
+
 class Ros2Bag {
  public:
   static Result<Ros2Bag> create(const std::string& path, const drivers::SourceInfo& info,
-                                const RigidTransform& T_body_camera);
+                                const RigidTransform& T_body_camera, BagImages images = BagImages::plain);
   Ros2Bag(Ros2Bag&&) noexcept;
   Ros2Bag& operator=(Ros2Bag&&) noexcept;
   ~Ros2Bag();

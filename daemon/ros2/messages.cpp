@@ -106,6 +106,11 @@ void put_image(TimestampNs stamp_ns, std::string_view frame, ImageView<const std
   for (int y = 0; y < image.height; ++y) out.row({image.row(y), width});
 }
 
+void put_png(TimestampNs stamp_ns, std::string_view frame, std::span<const std::uint8_t> file, CdrWriter& out) {
+  out.clear();
+  out.header(stamp_ns, frame).text("png").block(file);
+}
+
 void put_disparity(TimestampNs stamp_ns, std::string_view frame, ImageView<const std::int16_t> disparity,
                    CdrWriter& out) {
   out.clear();

@@ -26,6 +26,8 @@ inline constexpr std::string_view kRightFrame = "camera_right_optical_frame";
 
 void put_image(TimestampNs stamp_ns, std::string_view frame, ImageView<const std::uint8_t> image,
                drivers::CdrWriter& out);
+// The same as a CompressedImage. file: a whole PNG.
+void put_png(TimestampNs stamp_ns, std::string_view frame, std::span<const std::uint8_t> file, drivers::CdrWriter& out);
 // 32FC1: px, NaN where unknown or not above 0. disparity: px * 16.
 void put_disparity(TimestampNs stamp_ns, std::string_view frame, ImageView<const std::int16_t> disparity,
                    drivers::CdrWriter& out);

@@ -35,6 +35,7 @@ constexpr std::array kParts{
     Part{"sensor_msgs/Image",
          "std_msgs/Header header\nuint32 height\nuint32 width\nstring encoding\n"
          "uint8 is_bigendian\nuint32 step\nuint8[] data\n"},
+    Part{"sensor_msgs/CompressedImage", "std_msgs/Header header\nstring format\nuint8[] data\n"},
     Part{"sensor_msgs/RegionOfInterest",
          "uint32 x_offset\nuint32 y_offset\nuint32 height\nuint32 width\nbool do_rectify\n"},
     Part{"sensor_msgs/CameraInfo",

@@ -13,6 +13,7 @@
 #include <cliquevo/points_t.hpp>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <opencv2/imgcodecs.hpp>
 
 #include "drivers/recorder.h"
 #include "drivers/recording.h"
@@ -248,6 +249,45 @@ void expect_points(const Topics& topics, const Original& original) {
       for (int k = 0; k < 5; ++k) EXPECT_EQ(values[k], expected[k]);
     }
   }
+}
+
+TEST(McapOut, ImagesAsPngAreTheSameToTheBitAndPlayAlike) {
+  const Original original = made_log();
+  const std::string out = scratch_dir() + "/png.mcap";
+  const Finished done = run({binary("cliquevo"), "convert", original.log, out, "--png"});
+  ASSERT_EQ(done.exit_code, 0) << done.err;
+  const Topics topics = read_by_others(out);
+  EXPECT_FALSE(topics.contains("/stereo/left/image_rect"));
+  for (const bool left : {true, false}) {
+    const auto& images = topics.at(left ? "/stereo/left/image_rect/compressed" : "/stereo/right/image_rect/compressed");
+    ASSERT_EQ(images.size(), original.pairs.size());
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      const json& m = images[i]["message"];
+      expect_stamp(m["header"], original.pairs[i].stamp_ns);
+      EXPECT_EQ(m["format"], "png");
+      const std::string file = bytes_of(m["data"]);
+      const cv::Mat decoded = cv::imdecode(std::vector<unsigned char>(file.begin(), file.end()), cv::IMREAD_UNCHANGED);
+      ASSERT_EQ(decoded.type(), CV_8UC1);
+      const auto& image = left ? original.pairs[i].left : original.pairs[i].right;
+      const cv::Mat sent(image.height(), image.width(), CV_8UC1, const_cast<std::uint8_t*>(image.cview().data),
+                         static_cast<std::size_t>(image.cview().stride));
+      EXPECT_EQ(cv::norm(decoded, sent, cv::NORM_INF), 0.0);
+    }
+  }
+  std::string ways[2];
+  for (const bool png : {false, true}) {
+    const std::string file = scratch_dir() + "/way.txt";
+    const Finished played = run({binary("cliquevo"), "replay", png ? out : original.log, "--trajectory", file});
+    ASSERT_EQ(played.exit_code, 0) << played.err;
+    ways[png ? 1 : 0] = read_file(file);
+  }
+  EXPECT_EQ(ways[0], ways[1]);
+}
+
+TEST(McapOut, PngIsForMcapsAlone) {
+  const Finished done = run({binary("cliquevo"), "convert", "sim:frames=2", scratch_dir() + "/log.lcm", "--png"});
+  EXPECT_EQ(done.exit_code, 2);
+  EXPECT_NE(done.err.find("--to mcap"), std::string::npos) << done.err;
 }
 
 TEST(McapOut, AConvertedLogIsReadByOthersToTheBit) {
