@@ -2,6 +2,7 @@
 #include "tools/calibrate/calibrate.h"
 #include "tools/commands.h"
 #include "tools/drawing.h"
+#include "tools/exit_code.h"
 #include "tools/fleet/fleet.h"
 #include "tools/report.h"
 
@@ -50,6 +51,11 @@ void add_drawing_commands(CliCommand app, int& exit_code, const std::string& ver
   fleet::add_fleet_command(app, exit_code);
 #ifdef CLIQUEVO_CALIBRATE
   add_board_calibration_command(app, exit_code, version);
+#else
+  app.add_subcommand("calibrate", kCalibratePurpose).pass_on_everything().callback([&exit_code] {
+    exit_code = report({"not in this build", "cliquevo calibrate",
+                        "it needs OpenCV and the AprilTag library: run tools/setup, then build again"});
+  });
 #endif
 }
 
