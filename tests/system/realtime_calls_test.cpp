@@ -8,9 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "core/rt/memory.h"
+#include "daemon/daemon_work.h"
+#include "daemon/output.h"
 #include "daemon/pipeline/config.h"
 #include "daemon/pipeline/source.h"
 #include "daemon/pipeline/stages.h"
+#include "daemon/start_up.h"
 #include "daemon/threads/pipeline.h"
 #include "tests/support/test_data.h"
 #include "tests/system/interpose/interposer.h"
@@ -41,26 +44,25 @@ class ThreadWatch {
   test::ForbiddenCalls calls_;  // up to the beginning of the last frame
 };
 
-// The stages as the daemon runs them, with a watch on each of the two threads.
+// What the daemon does with a frame, with a watch on each of the two threads.
 class WatchedWork final : public PipelineWork {
  public:
-  WatchedWork(StereoStage& stereo, OdometryStage& odometry) : stereo_(stereo), odometry_(odometry) {}
+  explicit WatchedWork(PipelineWork& work) : work_(work) {}
 
-  void prepare(FrameSlot& slot) override { stereo_.prepare(slot.frame); }
+  void prepare(FrameSlot& slot) override { work_.prepare(slot); }
   Result<void> stereo(FrameSlot& slot) override {
     stereo_watch.before_frame();
-    return stereo_.run(slot.pair, slot.frame);
+    return work_.stereo(slot);
   }
   Result<void> odometry(FrameSlot& slot, PublishedFrame& out) override {
     odometry_watch.before_frame();
-    auto done = odometry_.run(slot.pair.stamp_ns, slot.frame);
-    out.estimate = odometry_.estimate();
-    return done;
+    return work_.odometry(slot, out);
   }
-  void reset() override { odometry_.reset(); }
+  void reset() override { work_.reset(); }
   void output(const PublishedFrame& frame) override {
     ++published;
     if (frame.estimate.status == vo::Status::valid) ++valid;
+    work_.output(frame);
   }
 
   ThreadWatch stereo_watch;
@@ -69,8 +71,7 @@ class WatchedWork final : public PipelineWork {
   std::atomic<std::int64_t> valid{0};
 
  private:
-  StereoStage& stereo_;
-  OdometryStage& odometry_;
+  PipelineWork& work_;
 };
 
 void expect_none(const ThreadWatch& watch, const char* thread, bool locked) {
@@ -101,23 +102,33 @@ TEST(RealtimeCalls, TheWatchSeesWhatItIsThereFor) {
   }).join();
 }
 
-TEST(RealtimeCalls, NoneInTheStereoAndTheOdometryThreadAfterWarmUp) {
+// Messages go into a log, which the output thread writes.
+void expect_none_with(LcmConfig lcm) {
   const std::string refused = rt::lock_memory();
+  lcm.url = "file://" + test::scratch_dir() + "/sent.lcm?mode=w";
   Config config = default_config();
+  config.lcm = std::move(lcm);
   config.source.loop = "pingpong";
   config.source.simulator.width = 320;
   config.source.simulator.height = 240;
   config.source.simulator.focal_px = 350.0;
   config.source.simulator.frames = 20;
+  config.source.simulator.movers = 2;
   auto source = open_source(config.source);
   ASSERT_TRUE(source.ok()) << source.error().line();
   auto stereo = StereoStage::make(config.stereo, (*source)->info());
   ASSERT_TRUE(stereo.ok());
   auto odometry = OdometryStage::make(config.odometry, (*source)->info(), *stereo);
   ASSERT_TRUE(odometry.ok());
+  Rig rig{std::move(*source), {}, std::move(*stereo), std::move(*odometry)};
+  auto publisher = Publisher::make(config.lcm, config.T_body_camera);
+  ASSERT_TRUE(publisher.ok()) << publisher.error().line();
+  auto output = Output::make(std::move(*publisher), config, rig.stereo.model(), rig.odometry.mask(), "");
+  ASSERT_TRUE(output.ok()) << output.error().line();
 
-  WatchedWork work(*stereo, *odometry);
-  auto pipeline = Pipeline::start({.speed = 0.0}, work, std::move(*source));
+  DaemonWork daemon_work(rig, **output, !config.lcm.movers_channel.empty());
+  WatchedWork work(daemon_work);
+  auto pipeline = Pipeline::start({.speed = 0.0}, work, std::move(rig.source));
   ASSERT_TRUE(pipeline.ok());
   const std::int64_t wanted = kWarmUp + watched_frames();
   while (work.published < wanted && !pipeline->wait_finished(20'000'000)) {
@@ -128,6 +139,22 @@ TEST(RealtimeCalls, NoneInTheStereoAndTheOdometryThreadAfterWarmUp) {
   EXPECT_GT(work.valid, work.published * 9 / 10) << "the frames must be worth watching";
   expect_none(work.stereo_watch, "stereo", refused.empty());
   expect_none(work.odometry_watch, "odometry", refused.empty());
+}
+
+TEST(RealtimeCalls, NoneInTheStereoAndTheOdometryThreadAfterWarmUp) { expect_none_with({}); }
+
+// As pages and bridges want it: what they are sent is taken off both threads.
+TEST(RealtimeCalls, NoneWhileEverythingThatViewsAndBridgesReceiveIsSent) {
+  LcmConfig lcm;
+  lcm.delta_body_channel = "VO_DELTA_BODY";
+  lcm.images_channel = "VO_IMAGES";
+  lcm.images_rate_hz = 30.0;
+  lcm.images_right = true;
+  lcm.points_channel = "VO_POINTS";
+  lcm.points_rate_hz = 10.0;
+  lcm.movers_channel = "VO_MOVERS";
+  lcm.features_channel = "VO_FEATURES";
+  expect_none_with(lcm);
 }
 
 }  // namespace
