@@ -15,7 +15,7 @@
 
 namespace cliquevo::tools {
 
-// How the bag holds images: `png` is lossless, takes about half the room and some of a processor.
+// How the bag holds images: `png` is lossless, takes somewhat less room and some of a processor.
 enum class BagImages { plain, png };
 
 class Ros2Bag {
