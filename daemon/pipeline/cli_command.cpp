@@ -22,11 +22,6 @@ CliOption CliOption::excludes(CliOption other) const {
   return *this;
 }
 
-CliOption CliOption::from_environment(const std::string& variable) const {
-  option_->envname(variable);
-  return *this;
-}
-
 CliOption CliOption::capture_default_str() const {
   option_->capture_default_str();
   return *this;

@@ -24,8 +24,6 @@ class CliOption {
   CliOption type_name(const std::string& name) const;
   CliOption required() const;
   CliOption excludes(CliOption other) const;
-  // Also read from this variable of the environment.
-  CliOption from_environment(const std::string& variable) const;
 
   // The help names the value that the variable has now.
   CliOption capture_default_str() const;
