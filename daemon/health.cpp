@@ -30,7 +30,7 @@ double rate(std::int64_t count, std::int64_t span_ns) {
 }  // namespace
 
 Health::Health(const Pipeline& pipeline, const SentCounts& sent, const LatestDiagnostics& diagnostics,
-               std::string source_description)
+               const std::string& source_description)
     : pipeline_(pipeline),
       sent_(sent),
       diagnostics_(diagnostics),

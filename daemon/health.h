@@ -20,7 +20,7 @@ class Health {
   static constexpr std::int64_t kStillNs = 1'000'000'000;
 
   Health(const Pipeline& pipeline, const SentCounts& sent, const LatestDiagnostics& diagnostics,
-         std::string source_description);
+         const std::string& source_description);
 
   // Fed by progress, not by time: false while a stage with work stands still. A source that sends nothing is no reason:
   // it is waited for, and reported.

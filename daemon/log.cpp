@@ -58,6 +58,7 @@ void send_to_journal(int priority, const std::string& line, const LogFields& fie
                                  "SYSLOG_IDENTIFIER=cliquevod"};
   for (const auto& [name, value] : fields) parts.push_back("CLIQUEVO_" + name + "=" + printable(value));
   std::vector<iovec> pieces;
+  pieces.reserve(parts.size());
   for (std::string& part : parts) pieces.push_back({part.data(), part.size()});
   static_cast<void>(sd_journal_sendv(pieces.data(), static_cast<int>(pieces.size())));
 }

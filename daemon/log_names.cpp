@@ -117,6 +117,7 @@ std::vector<std::string> own_logs(const std::string& folder) {
   }
   std::sort(found.begin(), found.end());
   std::vector<std::string> out;
+  out.reserve(found.size());
   for (auto& [age, path] : found) out.push_back(std::move(path));
   return out;
 }

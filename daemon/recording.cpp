@@ -101,7 +101,7 @@ Result<void> Recording::start() {
   if (failed) static_cast<void>(failed->stop());
   const std::lock_guard<std::mutex> lock(impl_->mutex);
   if (impl_->recorder) return {};
-  const auto started = guarded("recording", [&] { return impl_->start(); });
+  auto started = guarded("recording", [&] { return impl_->start(); });
   impl_->reported = false;
   impl_->refused.reset();
   if (!started) impl_->refused = started.error();

@@ -149,8 +149,9 @@ bool ImageConsistency::repeated(const Template& t, const Feature& f, const Frame
   once.iterations = 1;  // only the correlation there
   const double side = 2.0 * kTestRadius + 1.0;
   const auto along = [&](double dx, double dy, double length) {
-    for (double at = kNearSelf * side; at <= length; at += 1.0) {
-      for (const double way : {at, -at}) {
+    const double nearest = kNearSelf * side;
+    for (int step = 0; nearest + step <= length; ++step) {
+      for (const double way : {nearest + step, -nearest - step}) {
         const PatchFit there = fit_patch(t, reference.left.cview(), static_cast<float>(f.x + way * dx),
                                          static_cast<float>(f.y + way * dy), {}, SearchAxes::both, once);
         if (there.correlation > correlation) return true;

@@ -36,7 +36,7 @@ RigidTransform between_rows(const StereoModel& model, const RollingShutter& shut
                             double disparity_px, const RigidTransform& T_cur_ref, const Velocity& reference,
                             const Velocity& current) {
   const double d = std::max(disparity_px + model.doffs_px, kMinDisparity_px);
-  const RigidTransform T_cur_row = T_cur_ref * shutter.T_stamp_row(reference, f.y);
+  RigidTransform T_cur_row = T_cur_ref * shutter.T_stamp_row(reference, f.y);
   const Eigen::Vector3d seen = T_cur_row * model.triangulate(f.x, f.y, d - model.doffs_px);
   if (seen.z() < kMinDepth_m) return T_cur_row;
   const double row = std::clamp(model.project(seen).y(), 0.0, model.height - 1.0);

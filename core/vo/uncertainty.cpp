@@ -74,7 +74,7 @@ double coherence_factor(const CheckInput& f) {
     };
     const int across = place(o.uvd_cur.x(), f.model.width, kPartsAcross);
     const int down = place(o.uvd_cur.y(), f.model.height, kPartsDown);
-    Part& part = parts[static_cast<std::size_t>(down * kPartsAcross + across)];
+    Part& part = parts[static_cast<std::size_t>(down) * kPartsAcross + static_cast<std::size_t>(across)];
     part.u += error.x();
     part.v += error.y();
     ++part.n;

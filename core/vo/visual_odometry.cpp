@@ -171,7 +171,7 @@ std::pair<Comparison, const Frame*> VisualOdometry::Impl::compare(const FrameInp
 }
 
 Comparison VisualOdometry::Impl::compare_with(const Frame& reference, const Frame* key, const FrameInput& input) {
-  const Comparison c = estimator.compare(
+  Comparison c = estimator.compare(
       {reference, key, *current, input.disparity, predictions(reference), self_check, noise, caution}, estimate.times);
   compared = c.started || c.motion.inliers > 0 ? &reference : nullptr;
   T_compared_current = c.motion.T_prev_cur;

@@ -29,7 +29,7 @@ constexpr int kAtOnce = 256;           // datagrams read before it looks whether
 Result<int> join(const MulticastUrl& to, const std::string& url) {
   const int fd = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const auto bad = [&](const char* what) {
-    const Error error{std::string("cannot listen for commands: ") + what, url, std::strerror(errno)};
+    Error error{std::string("cannot listen for commands: ") + what, url, std::strerror(errno)};
     if (fd >= 0) ::close(fd);
     return error;
   };

@@ -29,15 +29,15 @@ struct ChunkStore::Open {
   // Until `wanted` bytes are there; false: they never will be.
   bool reach(std::uint64_t wanted, const Chunk& chunk, const FileBytes& file) {
     while (out.size() < wanted && !ended) advance(chunk, file);
-    if (out.size() == chunk.size && chunk.crc != 0 && !checked) {
-      checked = true;
+    if (out.size() == chunk.size && chunk.crc != 0 && !checked_) {
+      checked_ = true;
       damaged = crc32_z(0, out.data(), out.size()) != chunk.crc;
     }
     return !damaged && out.size() >= wanted;
   }
 
  private:
-  bool checked = false;
+  bool checked_ = false;
 
   void advance(const Chunk& chunk, const FileBytes& file) {
     if (in_used == in.size() && taken < chunk.stored_size) {

@@ -78,7 +78,8 @@ struct Sampler {
 template <typename T>
 void convert(const RosImage& image, const Sampler& sampler, Image<T>& out) {
   out.resize(static_cast<int>(image.width), static_cast<int>(image.height));
-  const auto stride = static_cast<std::size_t>(sampler.encoding.channels * sampler.encoding.bytes);
+  const auto stride =
+      static_cast<std::size_t>(sampler.encoding.channels) * static_cast<std::size_t>(sampler.encoding.bytes);
   for (int y = 0; y < out.height(); ++y) {
     const std::uint8_t* from = image.data.data() + static_cast<std::size_t>(y) * image.step;
     T* to = out.view().row(y);

@@ -148,7 +148,7 @@ double filled_cells(const std::vector<View>& views, Side side, int width, int he
     for (const SeenCorner& c : view.of(side)) {
       const int i = std::clamp(static_cast<int>(kCellsAcross * c.px.x() / width), 0, kCellsAcross - 1);
       const int j = std::clamp(static_cast<int>(kCellsDown * c.px.y() / height), 0, kCellsDown - 1);
-      seen[static_cast<std::size_t>(j * kCellsAcross + i)] = true;
+      seen[static_cast<std::size_t>(j) * kCellsAcross + static_cast<std::size_t>(i)] = true;
     }
   }
   return static_cast<double>(std::count(seen.begin(), seen.end(), true)) / static_cast<double>(seen.size());

@@ -66,7 +66,8 @@ std::array<int, 2> grid_of(const Board& board) {
 
 // Place along one axis of an aprilgrid: tags and gaps take turns.
 double tag_side(const Board& board, int index) {
-  return board.size_m * ((index / 2) * (1.0 + board.ratio) + index % 2);
+  const int tag = index / 2;
+  return board.size_m * (tag * (1.0 + board.ratio) + index % 2);
 }
 
 }  // namespace
@@ -88,7 +89,8 @@ Eigen::Vector3d Board::corner(int id) const {
     return {tag_side(*this, column), tag_side(*this, row), 0.0};
   }
   const int across = grid_of(*this)[0];
-  return {size_m * (id % across), size_m * (id / across), 0.0};
+  const int row = id / across;
+  return {size_m * (id % across), size_m * row, 0.0};
 }
 
 Eigen::Vector2d Board::half_extent() const {

@@ -23,7 +23,7 @@ ResidualField residual_field(const Board& board, const Solution& s, Side side) {
       };
       const int column = place(corners[i].px.x(), rig.width, kFieldAcross);
       const int row = place(corners[i].px.y(), rig.height, kFieldDown);
-      FieldCell& cell = out.cells[static_cast<std::size_t>(row * kFieldAcross + column)];
+      FieldCell& cell = out.cells[static_cast<std::size_t>(row) * kFieldAcross + static_cast<std::size_t>(column)];
       cell.mean_px += errors[i];
       ++cell.corners;
     }

@@ -29,6 +29,7 @@ constexpr double kClearlyBetter = 0.99;  // on views held out: a model with more
 // One side's corners, as View::left.
 std::vector<View> one_side(const std::vector<View>& views, Side side) {
   std::vector<View> out;
+  out.reserve(views.size());
   for (const View& view : views) out.push_back({view.name, view.of(side), {}});
   return out;
 }
@@ -112,9 +113,9 @@ std::optional<RigPose> find_rig(const Board& board, std::vector<View>& views, co
 
 SharedMask everything(const LensModel& model, const SolveOptions& options) {
   SharedMask mask{};
-  for (const int first : {0, kFirstOfRight}) {
-    for (int i = 0; i < model.size(); ++i) mask[static_cast<std::size_t>(first + i)] = true;
-    if (options.square_pixels) mask[static_cast<std::size_t>(first + 1)] = false;
+  for (const std::size_t first : {std::size_t{0}, std::size_t{kFirstOfRight}}) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(model.size()); ++i) mask[first + i] = true;
+    if (options.square_pixels) mask[first + 1] = false;
   }
   for (int i = kFirstOfPose; i < kShared; ++i) mask[static_cast<std::size_t>(i)] = true;
   return mask;

@@ -125,6 +125,7 @@ std::optional<RigidTransform> pose_from_rays(const Board& board, const std::vect
 std::optional<OneCamera> calibrate_one(const Board& board, const std::vector<View>& views, const LensModel& model,
                                        int width, int height) {
   std::vector<Guess> guesses;
+  guesses.reserve(std::size(kPinholeFocal) + std::size(kFisheyeFocal));
   // Poses do not depend on the lens model: those from a fisheye's rays may be the better start for a wide pinhole.
   const LensModel& pinhole = *find_lens_model("radtan");
   const LensModel& fisheye = *find_lens_model("equidistant");

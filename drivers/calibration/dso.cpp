@@ -101,7 +101,7 @@ void to_pixels(CameraCalibration& c) {
 // "calib_0.txt" to "calib_1.txt" and so on, whichever it is.
 std::string sibling(const std::string& path, const char* which) {
   for (const char* name : {"calib_0", "calib_1", "calib_stereo"}) {
-    const std::string out = replaced(path, name, std::string("calib_") + which, 1);
+    std::string out = replaced(path, name, std::string("calib_") + which, 1);
     if (!out.empty()) return out;
   }
   return {};

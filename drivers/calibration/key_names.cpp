@@ -51,12 +51,11 @@ Words sort_words(std::vector<std::string> words, bool of_a_group, KeyMeaning& me
   for (const std::string& w : words) {
     if (among(w, {"left", "l", "lft", "first", "links", "gauche", "izquierda", "izq", "sinistra", "esquerda"})) {
       see(KeySide::left);
-    } else if (among(w, {"right", "rgt", "second", "rechts", "droite", "derecha", "der", "destra", "direita"})) {
+    } else if (among(w, {"right", "rgt", "second", "rechts", "droite", "derecha", "der", "destra", "direita"}) ||
+               (w == "r" && (others > 0 || rotation))) {
       see(KeySide::right);
     } else if (among(w, {"lr", "rl"})) {
       meaning.side = KeySide::both;
-    } else if (w == "r" && (others > 0 || rotation)) {
-      see(KeySide::right);
     } else if (is_number(w)) {
       if (w.size() > 1 || meaning.number) {
         if (w.size() <= 2) meaning.side = KeySide::both;  // "R_12", "T_c1_c2"

@@ -39,7 +39,7 @@ Cell sum_block(ImageView<const std::uint8_t> image, int x0, int y0) {
 }  // namespace
 
 void MosaicEvidence::add(ImageView<const std::uint8_t> image) {
-  constexpr double kOfEach = kBlock * kBlock / 4;
+  constexpr double kOfEach = 0.25 * kBlock * kBlock;
   for (int y = 0; y + kBlock <= image.height; y += kBlock) {
     for (int x = 0; x + kBlock <= image.width; x += kBlock) {
       const Cell cell = sum_block(image, x, y);

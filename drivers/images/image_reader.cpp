@@ -58,7 +58,7 @@ Result<void> ImageReader::decode(const std::uint8_t* bytes, std::size_t size, co
                                  Image<std::uint8_t>& image) {
   // The image's own memory is decoded into: in a sequence nothing is copied or allocated.
   std::swap(image, picture_.bytes);
-  const Result<void> done = decode(bytes, size, name);
+  Result<void> done = decode(bytes, size, name);
   std::swap(image, picture_.bytes);
   if (!done || !picture_.deep) return done;
   SampleDepth depth;

@@ -42,7 +42,7 @@ std::pair<std::size_t, std::size_t> common_ends(const std::vector<RecordedImage>
   return {before, after};
 }
 
-constexpr double kSecondNs = 1e9;
+constexpr std::int64_t kSecondNs = 1'000'000'000;
 
 // Times that are none since 1970: whole numbers of ten digits and more, in the unit in which they come at a camera's
 // rate. Counters stay below.
@@ -59,8 +59,8 @@ std::optional<std::int64_t> unit_of_names(const std::vector<std::int64_t>& value
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
   const double step = steps[steps.size() / 2];
   const auto epoch = epoch_stamp(sorted.back());
-  const double epoch_unit = epoch ? static_cast<double>(*epoch / sorted.back()) : kSecondNs;
-  const double step_ns = step * epoch_unit;
+  const std::int64_t unit_ns = epoch ? *epoch / sorted.back() : kSecondNs;
+  const double step_ns = step * static_cast<double>(unit_ns);
   const bool ordinary = step_ns >= 1e6 && step_ns <= 2e9;
   if ((epoch && ordinary) || step < kLeastStep) return std::nullopt;
   const auto unit = unit_by_step(step);
@@ -73,7 +73,7 @@ std::string time_part(const std::string& text) {
   const std::size_t at = text.rfind('_');
   if (at == std::string::npos) return text;
   const std::string before = text.substr(0, at);
-  const std::string after = text.substr(at + 1);
+  std::string after = text.substr(at + 1);
   const bool seconds = before.size() >= 9 && before.size() <= 10 && parse_integer(before);
   if (!seconds || after.size() > 9 || after.empty() || !parse_integer(after)) return after;
   return fmt::format("{}.{}{}", before, after.size() == 6 ? "" : std::string(9 - after.size(), '0'), after);
@@ -132,7 +132,7 @@ std::vector<TimestampNs> times_in_names(const std::vector<RecordedImage>& images
     }
     texts.push_back(std::move(text));
   }
-  const std::vector<TimestampNs> stamps = stamps_of_texts(texts, said);
+  std::vector<TimestampNs> stamps = stamps_of_texts(texts, said);
   if (stamps.empty()) return {};
   // Numbers with a point beside other words are times only where they come at a camera's rate.
   const bool decimal = texts.front().find('.') != std::string::npos;

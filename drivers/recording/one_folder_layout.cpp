@@ -175,6 +175,7 @@ Result<Layout> read_side_by_side(const std::string& path) {
   }
   if (folders.size() > 1) {
     std::vector<std::string> names;
+    names.reserve(folders.size());
     for (const ImageFolder& folder : folders) names.push_back(joined(folder.parts));
     return several(path, names);
   }

@@ -123,7 +123,7 @@ StereoMessageStart parse_stereo_start(const std::uint8_t* data, std::size_t size
   start.utime = utime;
   const auto count = reader.number<std::int32_t>();
   if (count < 1 || count > 64 || reader.number<std::int16_t>() != images_t::LEFT) return start;
-  reader.bytes(static_cast<std::size_t>(2 * (count - 1)));
+  reader.bytes(2 * static_cast<std::size_t>(count - 1));
   reader.number<std::int64_t>();
   reader.bytes(4 * sizeof(std::int32_t));
   const auto pixels = reader.number<std::int32_t>();

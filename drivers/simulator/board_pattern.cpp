@@ -143,7 +143,8 @@ BoardPattern::Place BoardPattern::tags(double x, double y) const {
   const int below = std::clamp(static_cast<int>(down / cell), 0, kTagAcross - 1) - 2;
   bool black = true;
   if (across >= 0 && below >= 0 && across < 6 && below < 6) {
-    const auto id = static_cast<std::size_t>(row * board_.columns + column);
+    const auto id =
+        static_cast<std::size_t>(row) * static_cast<std::size_t>(board_.columns) + static_cast<std::size_t>(column);
     black = (kApril36h11[id] >> static_cast<unsigned>(35 - (below * 6 + across)) & 1U) == 0;
   }
   return place(black, std::min({clear_m, to_line(right, cell), to_line(down, cell)}));

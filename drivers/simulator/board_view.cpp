@@ -58,7 +58,7 @@ BoardView::BoardView(const BoardPattern& pattern, const CameraCalibration& camer
         const Eigen::Vector3d out = T_left_camera.R * *direction;
         grey = wall_grey(T_left_camera.t + to_wall(T_left_camera.t, out) * out, seed);
       }
-      row[i] = static_cast<std::uint16_t>(kGreyScale * grey + 0.5);
+      row[i] = static_cast<std::uint16_t>(std::lround(kGreyScale * grey));
     }
   }
 }
@@ -156,7 +156,8 @@ void BoardView::render(const PoseAt& T_camera_board, const Shutter& shutter, Ima
   for (int j = span.j0; j < span.j1; ++j) {
     if (j == span.j0 || shutter.readout_s > 0.0) row = row_at(T_camera_board, shutter, j);
     std::uint16_t* to = out.view().row(j);
-    for (int i = span.i0; i < span.i1; ++i) to[i] = static_cast<std::uint16_t>(kGreyScale * pixel(row, i, j) + 0.5F);
+    for (int i = span.i0; i < span.i1; ++i)
+      to[i] = static_cast<std::uint16_t>(std::lround(kGreyScale * pixel(row, i, j)));
   }
 }
 

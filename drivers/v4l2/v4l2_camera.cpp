@@ -160,6 +160,7 @@ Result<void> V4l2Camera::set_up(const CameraOptions& options, bool follows) {
 Result<void> V4l2Camera::choose_format(const CameraOptions& options) {
   const std::vector<std::uint32_t> offered = v4l2_formats(descriptor_);
   std::vector<std::string> names;
+  names.reserve(offered.size());
   for (const std::uint32_t fourcc : offered) names.push_back(fourcc_name(fourcc));
   std::uint32_t wanted = 0;
   if (!options.pixel_format.empty()) {

@@ -100,6 +100,7 @@ Result<void> V4l2Camera::set_named_controls(const std::string& controls) const {
     const auto found = std::find_if(known.begin(), known.end(), [&](const auto& c) { return c.first == name; });
     if (found == known.end()) {
       std::vector<std::string> names;
+      names.reserve(known.size());
       for (const auto& control : known) names.push_back(control.first);
       return Error{"no such control", fmt::format("{}: {}", path_, name),
                    fmt::format("it has {}", fmt::join(names, ", "))};

@@ -54,9 +54,11 @@ std::string hex_of(std::string_view bytes) {
 
 // The build id among an object's notes as they lie in memory; empty: it has none.
 std::string build_id(const dl_phdr_info& object) {
+  constexpr std::string_view kGnu("GNU\0", 4);  // with its end
   for (int k = 0; k < object.dlpi_phnum; ++k) {
     const ElfW(Phdr)& part = object.dlpi_phdr[k];
     if (part.p_type != PT_NOTE) continue;
+    // The loader gives addresses as numbers. NOLINTNEXTLINE(performance-no-int-to-ptr)
     const char* at = reinterpret_cast<const char*>(object.dlpi_addr + part.p_vaddr);
     const char* end = at + part.p_memsz;
     const auto padded = [](std::size_t size) { return (size + 3) / 4 * 4; };
@@ -64,7 +66,7 @@ std::string build_id(const dl_phdr_info& object) {
       const auto* note = reinterpret_cast<const ElfW(Nhdr)*>(at);
       const char* name = at + sizeof *note;
       const char* content = name + padded(note->n_namesz);
-      if (note->n_type == NT_GNU_BUILD_ID && std::string_view(name, note->n_namesz) == std::string_view("GNU", 4)) {
+      if (note->n_type == NT_GNU_BUILD_ID && std::string_view(name, note->n_namesz) == kGnu) {
         return hex_of({content, note->n_descsz});
       }
       at = content + padded(note->n_descsz);
