@@ -11,7 +11,7 @@ set(public_headers
   core/base/camera_model.h core/base/image.h core/base/isa.h core/base/result.h core/base/rigid_transform.h
   core/base/time.h
   stereo/dense_stereo.h stereo/rectify.h stereo/rectify_params.h stereo/stereo_params.h
-  core/vo/calibration_check.h core/vo/evidence.h core/vo/movers.h core/vo/seen_feature.h core/vo/step_times.h
+  core/vo/calibration_check.h core/vo/check_list.h core/vo/evidence.h core/vo/movers.h core/vo/seen_feature.h core/vo/step_times.h
   core/vo/verdict.h core/vo/visual_odometry.h core/vo/vo_params.h
   core/odometry/odometry.h core/odometry/odometry_params.h)
 

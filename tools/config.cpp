@@ -41,14 +41,16 @@ Result<void> write_pages(CliCommand app, const std::string& version, const std::
 }  // namespace
 
 void add_config_command(CliCommand app, int& exit_code) {
-  const CliCommand config = app.add_subcommand("config", "Print a sample configuration, the page on it, or a schema");
+  const CliCommand config =
+      app.add_subcommand("config", "Print a sample configuration, the page on it, a schema, or what is checked");
   auto what = std::make_shared<std::string>("sample");
   auto folder = std::make_shared<std::string>();
   config
-      .add_option("WHAT", *what,
-                  "sample (every key with its default), page, schema; pages: man pages and shell completion, "
-                  "written to --out")
-      .one_of({"sample", "page", "schema", "pages"});
+      .add_option(
+          "WHAT", *what,
+          "sample (every key with its default), page, schema, checks (of the odometry, as JSON); pages: man pages "
+          "and shell completion, written to --out")
+      .one_of({"sample", "page", "schema", "checks", "pages"});
   config.add_option("--out", *folder, "Folder for `pages`").type_name("DIR");
   config.footer(
       "Examples:\n"
@@ -64,7 +66,10 @@ void add_config_command(CliCommand app, int& exit_code) {
       exit_code = written ? kDone : report(written.error());
       return;
     }
-    fmt::print("{}", *what == "page" ? config_page() : *what == "schema" ? config_schema() : config_sample());
+    fmt::print("{}", *what == "page"     ? config_page()
+                     : *what == "schema" ? config_schema()
+                     : *what == "checks" ? check_list()
+                                         : config_sample());
     exit_code = kDone;
   });
 }

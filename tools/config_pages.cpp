@@ -8,6 +8,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "core/vo/verdict.h"
 #include "daemon/pipeline/keys/keys.h"
 
 namespace cliquevo::tools {
@@ -233,6 +234,22 @@ std::vector<std::string> config_settings() {
     }
   }
   return out;
+}
+
+std::string check_list() {
+  ordered_json out = ordered_json::array();
+  for (const vo::CheckRow& row : vo::kCheckRows) {
+    out.push_back({{"number", static_cast<int>(row.check)},
+                   {"symbol", row.symbol},
+                   {"name", row.name},
+                   {"verdict", vo::status_name(row.status)},
+                   {"unit", row.unit},
+                   {"meaning", row.meaning},
+                   {"question", row.question},
+                   {"value", row.value},
+                   {"bound", row.bound}});
+  }
+  return out.dump(2) + "\n";
 }
 
 }  // namespace cliquevo::tools

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "tools/plot.h"
+#include "tools/view/check_words.h"
 
 namespace cliquevo::tools {
 
@@ -30,12 +31,6 @@ std::string machine() {
   return fmt::format("cliquevo {}\n{} {} {}\n{}, {} processors\n", CLIQUEVO_VERSION, system.sysname, system.release,
                      system.machine, processor.empty() ? "processor unknown" : processor,
                      std::thread::hardware_concurrency());
-}
-
-json names(const char* (*name)(std::size_t), std::size_t count) {
-  json out = json::array();
-  for (std::size_t k = 0; k < count; ++k) out.push_back(name(k));
-  return out;
 }
 
 // Of the report's map: to the right, and forward.
@@ -90,12 +85,10 @@ std::string run_report(const RunTexts& texts, const RunLog& log, const std::opti
   json data = {{"title", texts.title},
                {"sentence", sentence(log, reference)},
                {"lines", lines_json(texts.summary)},
-               {"checks", names([](std::size_t k) { return vo::check_name(static_cast<vo::Check>(k)); }, vo::kChecks)},
-               {"verdicts", names([](std::size_t k) { return vo::status_name(static_cast<vo::Status>(k)); },
-                                  static_cast<std::size_t>(vo::Status::weak) + 1)},
                {"configuration", texts.configuration},
                {"machine", machine()},
                {"stats", std::move(stats)}};
+  data.update(view::check_words());
   if (reference && reference->pairs.size() >= 2) {
     data["reference"] = reference_json(reference->name, reference->pairs, reference->align);
   }

@@ -47,6 +47,15 @@ double news_of_disparities(const Motion& motion, double shift_sigma_px) {
 
 }  // namespace
 
+void check_solution(const CheckInput& f, const CameraNoise& noise, const Caution& caution, const VoParams& params,
+                    Checks& checks) {
+  checks[Check::inliers] = check_inliers(f, params);
+  checks[Check::spread] = check_spread(f, params);
+  checks[Check::positions] = check_positions(f, noise, params);
+  checks[Check::disparities] = check_disparities(f, noise, params);
+  if (params.refine) checks[Check::found_again] = check_found_again(f, caution);
+}
+
 Evidence check_inliers(const CheckInput& f, const VoParams& params) {
   return {static_cast<double>(params.min_inliers) / std::max(1, f.motion.inliers), 1.0, true};
 }

@@ -28,6 +28,10 @@ struct CheckInput {
   bool speed_known = true;      // before the reference: what bends a rolling shutter's rows
 };
 
+// Those that need the solution alone; one that fails ends the attempt.
+void check_solution(const CheckInput& input, const CameraNoise& noise, const Caution& caution, const VoParams& params,
+                    Checks& checks);
+
 // Enough inliers to fix a motion at all: their inverse share of the bound.
 Evidence check_inliers(const CheckInput& input, const VoParams& params);
 // Spread over the image: on a line they do not fix the motion (ratio of the eigenvalues of their distribution).

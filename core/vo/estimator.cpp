@@ -184,18 +184,13 @@ Sigmas Estimator::refined_sigmas() const { return {params_.sigma_px, params_.dis
 
 // A5 from a first motion on, and those checks of A6 that need the solution alone; again for as long as what was found
 // is not enough but finds more. True when no check fails.
-// Checks here need the solution alone; one that fails ends the attempt.
 bool Estimator::settle(const FramePair& pair, PatchSize patches, Comparison& out) {
   for (int attempt = 0, inliers = 0; attempt < kAttempts; ++attempt) {
     if (params_.refine) refine(pair, patches, out);
     covered_ = 1.0;
     const CheckInput found = check_input(pair, out);
     out.checks = {};
-    out.checks[Check::inliers] = check_inliers(found, params_);
-    out.checks[Check::spread] = check_spread(found, params_);
-    out.checks[Check::positions] = check_positions(found, pair.noise, params_);
-    out.checks[Check::disparities] = check_disparities(found, pair.noise, params_);
-    if (params_.refine) out.checks[Check::found_again] = check_found_again(found, pair.caution);
+    check_solution(found, pair.noise, pair.caution, params_, out.checks);
     out.eigenvalue_ratio = spread_ratio(observations_);
     if (out.checks.failed() == 0) return true;
     if (!params_.refine || out.motion.inliers <= inliers) return false;

@@ -5,24 +5,10 @@
 #include <array>
 #include <cstdint>
 
+#include "core/vo/check_list.h"
+
 namespace cliquevo::vo {
 
-// What is checked of a frame's motion. The place is the bit and the index in VO_STATUS (CHECK_... in status_t.lcm):
-// append before `count`, never insert. Which verdict goes first is the table in verdict.cpp.
-enum class Check : std::uint8_t {
-  inliers,         // too few features moved as one
-  spread,          // they lie nearly on a line
-  positions,       // they scatter about the motion more than this camera's noise
-  disparities,     // their disparities do
-  contradiction,   // parts of the picture moved otherwise
-  running_ground,  // surfaces change from frame to frame, as water does
-  hanging_camera,  // one camera moves, the other one stands
-  found_again,     // after a suspicious frame: too few features found
-  rival,           // a second motion is as well supported
-  uncertainty,     // by its covariance the motion is hardly known
-  count
-};
-inline constexpr std::size_t kChecks = static_cast<std::size_t>(Check::count);  // how many there are
 // "running ground"
 const char* check_name(Check check);
 

@@ -3,39 +3,16 @@
 
 namespace cliquevo::vo {
 
-namespace {
-
-struct Rule {
-  Check check;
-  const char* name;
-  Status status;  // where it fails
-};
-
-constexpr Rule kRules[kChecks] = {
-    {Check::inliers, "inliers", Status::too_few_features},
-    {Check::spread, "spread", Status::degenerate},
-    {Check::positions, "positions", Status::reprojection_error},
-    {Check::disparities, "disparities", Status::reprojection_error},
-    {Check::hanging_camera, "hanging camera", Status::ambiguous},
-    {Check::contradiction, "contradiction", Status::ambiguous},
-    {Check::running_ground, "running ground", Status::ambiguous},
-    {Check::found_again, "found again", Status::ambiguous},
-    {Check::rival, "rival motion", Status::ambiguous},
-    {Check::uncertainty, "uncertainty", Status::weak},
-};
-
-}  // namespace
-
 Status verdict(const Checks& checks) {
-  for (const Rule& rule : kRules) {
-    if (checks[rule.check].fails()) return rule.status;
+  for (const CheckRow& row : kCheckRows) {
+    if (checks[row.check].fails()) return row.status;
   }
   return Status::valid;
 }
 
 const char* check_name(Check check) {
-  for (const Rule& rule : kRules) {
-    if (rule.check == check) return rule.name;
+  for (const CheckRow& row : kCheckRows) {
+    if (row.check == check) return row.name;
   }
   return "unknown";
 }

@@ -14,8 +14,6 @@ namespace cliquevo::daemon {
 
 namespace {
 
-static_assert(status_t::CHECK_UNCERTAINTY + 1 == vo::kChecks, "a check more: its number at the end of status_t.lcm");
-
 void put(const Eigen::Vector3d& v, double (&out)[3]) {
   for (int i = 0; i < 3; ++i) out[i] = v[i];
 }

@@ -13,6 +13,7 @@
 #include "core/base/caught.h"
 #include "daemon/control/control_client.h"
 #include "tools/view/base64.h"
+#include "tools/view/check_words.h"
 #include "tools/view/metrics.h"
 
 extern char** environ;
@@ -66,18 +67,9 @@ json model_json(const std::optional<StereoModel>& m) {
 }
 
 std::string hello(const Feed& feed, const ViewOptions& options) {
-  json checks = json::array();
-  for (std::size_t k = 0; k < vo::kChecks; ++k) checks.push_back(vo::check_name(static_cast<vo::Check>(k)));
-  json verdicts = json::array();
-  for (int s = 0; s <= static_cast<int>(vo::Status::weak); ++s) {
-    verdicts.push_back(vo::status_name(static_cast<vo::Status>(s)));
-  }
-  return text_of({{"op", "hello"},
-                  {"source", feed.source()},
-                  {"live", feed.live()},
-                  {"version", options.version},
-                  {"checks", checks},
-                  {"verdicts", verdicts}});
+  json out = check_words();
+  out.update({{"op", "hello"}, {"source", feed.source()}, {"live", feed.live()}, {"version", options.version}});
+  return text_of(out);
 }
 
 // The message of the mask, made anew when there is another one.

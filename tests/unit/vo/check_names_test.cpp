@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Pages go by the names of checks: the view's explanations and the table in core/README.md have all of them.
+// What is made of the table of checks has all of them: pages, and the numbers in VO_STATUS.
+#include <set>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -12,45 +13,51 @@ namespace {
 
 std::string in_tree(const std::string& path) { return test::read_file(std::string(CLIQUEVO_SOURCE_DIR) + "/" + path); }
 
-// The text of `const NAME = {...}` in a script.
-std::string table(const std::string& script, const std::string& name) {
-  const std::size_t begin = script.find("const " + name + " = {");
-  if (begin == std::string::npos) return {};
-  return script.substr(begin, script.find("};", begin) - begin);
+std::string page_of(const CheckRow& row) {
+  std::string page = std::string(row.symbol) + ".md";
+  for (char& c : page) c = c == '_' ? '-' : c;
+  return page;
 }
 
-// Whether the table has the key, as a word or quoted.
-bool has_key(const std::string& table, const std::string& key) {
-  return table.find(" " + key + ": \"") != std::string::npos || table.find("\"" + key + "\": \"") != std::string::npos;
-}
-
-TEST(CheckNames, EachHasAUnitAndAnExplanationInTheView) {
-  const std::string page = in_tree("tools/view/page/why.js");
-  for (const char* name : {"units", "meanings"}) {
-    const std::string entries = table(page, name);
-    ASSERT_FALSE(entries.empty()) << name;
-    EXPECT_FALSE(has_key(entries, "no such check"));
-    for (std::size_t k = 0; k < kChecks; ++k) {
-      const std::string check = check_name(static_cast<Check>(k));
-      EXPECT_TRUE(has_key(entries, check)) << check << " is missing in " << name << " of tools/view/page/why.js";
-    }
+std::string number_line(const CheckRow& row) {
+  std::string line = "const int32_t CHECK_";
+  for (const char* c = row.symbol; *c != '\0'; ++c) {
+    line += static_cast<char>(*c >= 'a' && *c <= 'z' ? *c - 'a' + 'A' : *c);
   }
+  return line + " = " + std::to_string(static_cast<int>(row.check)) + ";";
 }
 
-TEST(CheckNames, EachHasARowInTheReadme) {
-  const std::string page = in_tree("core/README.md");
-  for (std::size_t k = 0; k < kChecks; ++k) {
-    const std::string check = check_name(static_cast<Check>(k));
-    EXPECT_NE(page.find("\n| [" + check + "](../docs/checks/"), std::string::npos)
-        << check << " is missing in core/README.md";
+TEST(CheckNames, EachHasARowOfItsOwn) {
+  std::set<Check> checks;
+  std::set<std::string> symbols;
+  std::set<std::string> names;
+  for (const CheckRow& row : kCheckRows) {
+    EXPECT_LT(row.check, Check::count);
+    EXPECT_TRUE(checks.insert(row.check).second) << row.name;
+    EXPECT_TRUE(symbols.insert(row.symbol).second) << row.symbol;
+    EXPECT_TRUE(names.insert(row.name).second) << row.name;
+    EXPECT_STREQ(check_name(row.check), row.name);
+    EXPECT_GT(row.status, Status::valid) << row.name;
+    for (const char* text : {row.unit, row.meaning, row.question, row.value, row.bound})
+      EXPECT_NE(text[0], '\0') << row.name;
   }
+  EXPECT_EQ(checks.size(), kChecks) << "a check has no row in core/vo/check_list.h";
 }
 
-TEST(CheckNames, EachIsAWordOfItsOwn) {
-  for (std::size_t k = 0; k < kChecks; ++k) {
-    EXPECT_STRNE(check_name(static_cast<Check>(k)), "unknown") << "check " << k << " has no row in verdict.cpp";
-    for (std::size_t j = 0; j < k; ++j)
-      EXPECT_STRNE(check_name(static_cast<Check>(k)), check_name(static_cast<Check>(j)));
+TEST(CheckNames, PagesAndTheMessageHaveEach) {
+  const std::string core = in_tree("core/README.md");
+  const std::string pages = in_tree("docs/checks/README.md");
+  const std::string message = in_tree("daemon/lcmtypes/status_t.lcm");
+  for (const CheckRow& row : kCheckRows) {
+    const std::string name = std::string("\n| [") + row.name + "](";
+    const std::string verdict = std::string(" | ") + status_name(row.status) + " |\n";
+    EXPECT_NE(core.find(name + "../docs/checks/" + page_of(row) + ") | " + row.value + " | " + row.bound + verdict),
+              std::string::npos)
+        << row.name << " in core/README.md: run tools/generate";
+    EXPECT_NE(pages.find(name + page_of(row) + ") | " + row.question + verdict), std::string::npos)
+        << row.name << " in docs/checks/README.md: run tools/generate";
+    EXPECT_NE(message.find(std::string("  // ") + row.meaning + "\n  " + number_line(row)), std::string::npos)
+        << number_line(row) << " in daemon/lcmtypes/status_t.lcm: run tools/generate";
   }
 }
 

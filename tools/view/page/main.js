@@ -129,7 +129,7 @@ function showTexts(now) {
   textsDue = false;
   textsAt = now;
   charts.mark(r);
-  $("why").querySelector(".scroll").innerHTML = whyHtml(r, view.hello.checks, view.hello.verdicts);
+  $("why").querySelector(".scroll").innerHTML = whyHtml(r, view.hello);
   const t = (r.t - records.list[0].t) / 1e6;
   $("position").textContent = `frame ${r.i}, ${t.toFixed(2)} s`;
   const off = r.tr ? `, ${lengthText(Math.hypot(r.p[0] - r.tr[0], r.p[1] - r.tr[1], r.p[2] - r.tr[2]))} off` : "";

@@ -101,7 +101,7 @@ async function drawWorst() {
   for (const worst of data.worst) {
     const r = records[worst.n], figure = document.createElement("figure"), canvas = document.createElement("canvas");
     figure.append(canvas);
-    figure.insertAdjacentHTML("beforeend", `<figcaption>frame ${r.i}, ${((r.t - records[0].t) / 1e6).toFixed(2)} s: ${whyHtml(r, data.checks, data.verdicts)}</figcaption>`);
+    figure.insertAdjacentHTML("beforeend", `<figcaption>frame ${r.i}, ${((r.t - records[0].t) / 1e6).toFixed(2)} s: ${whyHtml(r, data)}</figcaption>`);
     box.append(figure);
     const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
     const features = bytes(worst.features);
