@@ -22,7 +22,7 @@
 namespace cliquevo::daemon {
 
 struct SourceConfig {
-  std::string type = "simulator";  // simulator, recording, or a family of cameras: aravis, v4l2, libcamera
+  std::string type = "simulator";  // simulator, recording, or a family of cameras
   drivers::SimulatorOptions simulator;
   drivers::RecordingOptions recording;
   drivers::CameraOptions cameras;
