@@ -90,6 +90,7 @@ struct StereoCalibration {
   CameraCalibration right;                            // as it grabs
   RigidTransform T_right_left;                        // point in the left raw camera -> right raw camera
   double readout_s = 0.0;                             // rolling shutter, first row to last; 0: all rows at once
+  bool exchanged = false;                             // the first camera of its file is the right one
   bool rectified = false;                             // images already are: use `prescribed->model`, warp nothing
   std::optional<PrescribedRectification> prescribed;  // when set it is used; a rectification of our own otherwise
   std::string source;                                 // the file it came from, for messages

@@ -128,6 +128,7 @@ Result<std::unique_ptr<FrameSource>> open_family(const SourceConfig& config, dri
   const bool pingpong = config.loop == "pingpong";
   if (config.type == "recording") {
     drivers::RecordingOptions options = config.recording;
+    options.order_stated = config.swap_eyes;
     options.pingpong = pingpong;  // recordings can do so themselves, of any length
     return drivers::open_recording(options);
   }

@@ -131,6 +131,7 @@ void order_cameras(StereoCalibration& c) {
   if (!(c.T_right_left.t.x() > 0.0) || c.prescribed) return;
   std::swap(c.left, c.right);
   c.T_right_left = c.T_right_left.inverse();
+  c.exchanged = true;
   c.notes.push_back(kExchangedNote);
 }
 

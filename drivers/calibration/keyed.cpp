@@ -72,14 +72,16 @@ bool same_cameras(const CameraParts& a, const CameraParts& b) {
 
 // A first camera that lies on the right, for certain, is the right one: by poses in a body, by projections that
 // were computed from R and T, or where both cameras are one and the same.
-void order_cameras(CameraParts& left, CameraParts& right, KeyedPose& pose, std::vector<std::string>& notes) {
-  if (pose.T_right_left.t.x() <= 0.0) return;
+// True: they were exchanged.
+bool order_cameras(CameraParts& left, CameraParts& right, KeyedPose& pose, std::vector<std::string>& notes) {
+  if (pose.T_right_left.t.x() <= 0.0) return false;
   const bool computed = left.P.size() == 12 && right.P.size() == 12 && left.R && right.R && right.P[3] > left.P[3];
   const bool ideal = same_cameras(left, right) && pose.T_right_left.R.isIdentity(1e-9);
-  if (!pose.directed && !computed && !ideal) return;
+  if (!pose.directed && !computed && !ideal) return false;
   std::swap(left, right);
   pose.T_right_left = pose.T_right_left.inverse();
   notes.push_back(kExchangedNote);
+  return true;
 }
 
 // Cameras with their rectified ones and no pose besides.
@@ -145,9 +147,11 @@ Result<StereoCalibration> rig_of(const Keys& keys, const std::string& path, cons
   }
   // Rotations of cameras with a translation each are poses, no rectification.
   if (keys.has(Quantity::translation, KeySide::right)) left->R = right->R = std::nullopt;
-  order_cameras(*left, *right, **pose, notes);
+  const bool exchanged = order_cameras(*left, *right, **pose, notes);
   auto rig = rig_of_pose(*left, *right, (*pose)->T_right_left, request, unit_m);
-  if (rig) rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
+  if (!rig) return rig;
+  rig->exchanged = exchanged;
+  rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
   return rig;
 }
 

@@ -284,7 +284,7 @@ Result<std::unique_ptr<FrameSource>> open_bags(const std::vector<std::string>& f
     info.calibration = std::move(*calibration);
   }
   if (auto ok = read_masks(options.left_mask, options.right_mask, "", info); !ok) return ok.error();
-  return play_pairs(std::move(store), std::move(*stamps), std::move(info), playing);
+  return play_pairs(std::move(store), {topics->left, topics->right}, std::move(*stamps), std::move(info), playing);
 }
 
 }  // namespace cliquevo::drivers

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include <fmt/format.h>
+
 #include "drivers/recording/layout.h"
 #include "drivers/recording/stamps.h"
 
@@ -21,12 +23,25 @@ std::string times_of(const fs::path& folder) {
   if (name == "data" && fs::is_regular_file(folder.parent_path() / "data.csv", ec)) {
     return (folder.parent_path() / "data.csv").string();
   }
-  for (const char* pattern :
-       {"_times.txt", "_timestamps.txt", "_timestamp.txt", "_times.csv", "_timestamps.csv", ".timestamps"}) {
-    const fs::path beside = folder.parent_path() / (name + pattern);
-    if (fs::is_regular_file(beside, ec)) return beside.string();
+  const fs::path beside = folder.parent_path() / (name + ".timestamps");
+  if (fs::is_regular_file(beside, ec)) return beside.string();
+  for (const char* word : {"times", "timestamps", "timestamp"}) {
+    for (const char* extension : {".txt", ".csv"}) {
+      for (const std::string& file :
+           {fmt::format("{}_{}{}", name, word, extension), fmt::format("{}_{}{}", word, name, extension)}) {
+        if (fs::is_regular_file(folder.parent_path() / file, ec)) return (folder.parent_path() / file).string();
+      }
+    }
   }
   return {};
+}
+
+// A list that names the camera's images, in the folder that both share or above it, up to the one above the recording.
+std::string list_of(const ImageList& camera, const std::string& shared, const fs::path& last) {
+  for (fs::path at = shared;; at = at.parent_path()) {
+    if (std::string list = find_image_list(at.string(), camera); !list.empty()) return list;
+    if (at == last.parent_path() || at == at.parent_path()) return {};
+  }
 }
 
 // From the images' folder up to, but without, the folder that both cameras share.
@@ -80,11 +95,11 @@ Result<void> find_stamps(Layout& layout, const std::string& top) {
     return {};
   }
   if (!times.empty()) return stamps_from_file(times, layout.left, layout.notes);
-  const std::string left_list = find_image_list(shared, layout.left);
+  const std::string left_list = list_of(layout.left, shared, last);
   if (left_list.empty()) return {};
   layout.notes.push_back("times from " + fs::path(left_list).filename().string());
   if (auto ok = stamps_from_file(left_list, layout.left, layout.notes); !ok || same) return ok;
-  const std::string right_list = find_image_list(shared, layout.right);
+  const std::string right_list = list_of(layout.right, shared, last);
   return right_list.empty() ? Result<void>{} : stamps_from_file(right_list, layout.right, notes);
 }
 

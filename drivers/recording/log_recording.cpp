@@ -351,7 +351,7 @@ Result<std::unique_ptr<FrameSource>> open_logs(const std::vector<std::string>& f
   }
   auto store = std::make_unique<LoggedPairs>(std::move(contents.files), std::move(contents.pairs), *chosen, info.width,
                                              info.height);
-  return play_pairs(std::move(store), std::move(*stamps), std::move(info), options);
+  return play_pairs(std::move(store), {}, std::move(*stamps), std::move(info), options);
 }
 
 }  // namespace cliquevo::drivers

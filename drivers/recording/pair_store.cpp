@@ -18,10 +18,13 @@
 #include "drivers/calibration/examine.h"
 #include "drivers/recording/image_survey.h"
 #include "drivers/recording/pairing.h"
+#include "drivers/recording/side_words.h"
 
 namespace cliquevo::drivers {
 
 namespace {
+
+constexpr double kMostRate_hz = 1000.0;  // of pairs of images
 
 // Reads pair after pair from the disk; one thread at a time.
 class PairReader {
@@ -183,6 +186,31 @@ class Recording final : public FrameSource {
   std::thread thread_;
 };
 
+// Of a store whose first images are the right camera's.
+class ExchangedPairs final : public PairStore {
+ public:
+  explicit ExchangedPairs(std::unique_ptr<PairStore> store) : store_(std::move(store)) {}
+  std::int64_t size() const override { return store_->size(); }
+  std::string name(std::int64_t i) const override { return store_->name(i); }
+  Result<void> load(std::int64_t i, StereoPair& pair) override {
+    if (auto ok = store_->load(i, pair); !ok) return ok;
+    std::swap(pair.left, pair.right);
+    return {};
+  }
+  std::int64_t warned() const override { return store_->warned(); }
+
+ private:
+  std::unique_ptr<PairStore> store_;
+};
+
+// Numbered streams ("cam0", "cam1") follow the cameras of the calibration; those with left and right in their names say
+// themselves what they are, as does the user.
+bool follow_exchanged_cameras(const StreamNames& streams, const RecordingOptions& options) {
+  if (options.order_stated) return false;
+  const std::optional<int> kind = pair_kind(streams.first, streams.second);
+  return kind && *kind >= kFirstNumberKind && *kind < kFirstOtherKind;
+}
+
 Result<void> check_options(const RecordingOptions& o) {
   const auto bad = [&](const std::string& what, const std::string& remedy) { return Error{what, o.path, remedy}; };
   if (o.first < 0) return bad("first pair is negative", "count pairs from 0");
@@ -224,6 +252,7 @@ Result<StereoCalibration> calibrate(const CalibrationRequest& request, PairStore
     }
   }
   std::vector<ImagePairView> views;
+  views.reserve(pairs.size());
   for (const StereoPair& pair : pairs) views.push_back({pair.left.cview(), pair.right.cview()});
   return read_calibration_for(request, views);
 }
@@ -238,8 +267,16 @@ double rate_of(const RisingStamps& stamps) {
   return period_ns > 0 ? 1e9 / static_cast<double>(period_ns) : 0.0;
 }
 
-std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, RisingStamps stamps, SourceInfo info,
-                                        const RecordingOptions& options) {
+std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, const StreamNames& streams,
+                                        RisingStamps stamps, SourceInfo info, const RecordingOptions& options) {
+  if (info.calibration.exchanged && follow_exchanged_cameras(streams, options)) {
+    store = std::make_unique<ExchangedPairs>(std::move(store));
+    info.calibration.notes.push_back("so are its images: the recording numbers its cameras likewise");
+  }
+  if (info.rate_hz > kMostRate_hz && !options.rate_hz) {
+    info.description +=
+        fmt::format(", {:.0f} Hz by its times, which no camera has: --rate HZ gives it another", info.rate_hz);
+  }
   const MosaicSurvey survey = survey_mosaic(*store, options.bayer);
   if (survey.mosaic) info.description += ", " + survey.text;
   PairReader reader(std::move(store), std::move(stamps), options, survey.mosaic);

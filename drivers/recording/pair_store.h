@@ -26,14 +26,22 @@ class PairStore {
   virtual std::int64_t warned() const { return 0; }
 };
 
+// Names of both cameras' images: folders, files or topics.
+struct StreamNames {
+  std::string first;
+  std::string second;
+};
+
 // Numbers of the pairs that options choose of `count`.
 Result<std::vector<std::int64_t>> choose_pairs(std::int64_t count, const RecordingOptions& options);
 
 // Plays the store's pairs, those chosen already, with these stamps by the options: once, or to and fro; read ahead by a
 // thread or not. A pair that is to be skipped is an error of next(); to and fro it is left out. Bayer mosaics become
-// grey, by the options or where the images show it; the description states it.
-std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, RisingStamps stamps, SourceInfo info,
-                                        const RecordingOptions& options);
+// grey, by the options or where the images show it; the description states it. Where the first camera of the
+// calibration is the right one, and the streams are numbered as its cameras are, so are their images; the calibration's
+// notes say so.
+std::unique_ptr<FrameSource> play_pairs(std::unique_ptr<PairStore> store, const StreamNames& streams,
+                                        RisingStamps stamps, SourceInfo info, const RecordingOptions& options);
 // Rate of the pairs that are played; 0 = unknown.
 double rate_of(const RisingStamps& stamps);
 

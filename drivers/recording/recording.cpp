@@ -124,6 +124,14 @@ std::int64_t first_number_of(const Pairing& pairing) {
   return first;
 }
 
+// Of one folder for both: of their first images.
+StreamNames streams_of(const Layout& layout) {
+  if (layout.left.folder != layout.right.folder || layout.left.images.empty() || layout.right.images.empty()) {
+    return {layout.left.folder, layout.right.folder};
+  }
+  return {layout.left.images.front().name, layout.right.images.front().name};
+}
+
 std::string describe_layout(const Layout& layout, const Pairing& pairing) {
   std::string out = layout.description;
   if (pairing.unpaired > 0) out += fmt::format(" ({} images without a partner)", pairing.unpaired);
@@ -185,7 +193,7 @@ Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& opti
     info.calibration = std::move(*calibration);
   }
   if (auto ok = read_masks(options.left_mask, options.right_mask, layout->root, info); !ok) return ok.error();
-  return play_pairs(std::move(store), std::move(*stamps), std::move(info), options);
+  return play_pairs(std::move(store), streams_of(*layout), std::move(*stamps), std::move(info), options);
 }
 
 }  // namespace cliquevo::drivers

@@ -27,6 +27,8 @@ struct RecordingOptions {
   bool side_by_side = false;               // left and right half of each image; also seen by itself
   std::string channel;                     // of a log; empty = VO_STEREO, else the only one with stereo pairs
   std::string topics;                      // of a bag: LEFT,RIGHT[,LEFT_INFO,RIGHT_INFO]; empty = by types and names
+  // The user states which camera is which: nothing is concluded from a calibration whose first camera is the right one.
+  bool order_stated = false;
   bool pingpong = false;   // never ends: forward, then backward, ...; the stamps go on by the same steps
   bool read_ahead = true;  // a thread decodes the next pairs meanwhile; same pairs, same errors, same order
 };

@@ -18,15 +18,16 @@ struct WordPair {
   const char* right;
   int kind;
 };
-constexpr std::array<WordPair, 9> kWords{{{"left", "right", kWordKind},
-                                          {"l", "r", kLetterKind},
-                                          {"links", "rechts", kFirstOtherKind},
-                                          {"gauche", "droite", kFirstOtherKind + 1},
-                                          {"izquierda", "derecha", kFirstOtherKind + 2},
-                                          {"cam_b", "cam_c", kFirstOtherKind + 3},  // DepthAI's sockets
-                                          {"camb", "camc", kFirstOtherKind + 3},
-                                          {"cam_a", "cam_b", kFirstOtherKind + 4},
-                                          {"cama", "camb", kFirstOtherKind + 4}}};
+constexpr std::array<WordPair, 10> kWords{{{"left", "right", kWordKind},
+                                           {"l", "r", kLetterKind},
+                                           {"links", "rechts", kFirstOtherKind},
+                                           {"gauche", "droite", kFirstOtherKind + 1},
+                                           {"izquierda", "derecha", kFirstOtherKind + 2},
+                                           {"cam_b", "cam_c", kFirstOtherKind + 3},  // DepthAI's sockets
+                                           {"camb", "camc", kFirstOtherKind + 3},
+                                           {"cam_a", "cam_b", kFirstOtherKind + 4},
+                                           {"cama", "camb", kFirstOtherKind + 4},
+                                           {"lcam", "rcam", kFirstOtherKind + 5}}};  // TartanAir V2
 
 // A single letter that is a word of its own: between separators, digits or changes of case.
 bool stands_alone(const std::string& name, std::size_t at) {

@@ -29,9 +29,9 @@ std::string image_named(const std::string& word) {
   return is_image_name(word) ? path.stem().string() : path.filename().string();
 }
 
-// Which word of the rows names images that are there; none where the rows go by order.
+// Which word of the rows names images that are there, of so many; none where the rows go by order.
 std::optional<std::size_t> naming_word(const std::vector<StampRow>& rows,
-                                       const std::map<std::string, std::size_t>& images) {
+                                       const std::map<std::string, std::size_t>& images, std::size_t count) {
   constexpr std::size_t kMostWords = 8;
   std::array<std::size_t, kMostWords> hits{};
   std::array<std::size_t, kMostWords> files{};
@@ -43,8 +43,8 @@ std::optional<std::size_t> naming_word(const std::vector<StampRow>& rows,
   }
   const auto best = static_cast<std::size_t>(std::max_element(hits.begin(), hits.end()) - hits.begin());
   // A number that counts from elsewhere than the images' names do meets all of them but the first.
-  const bool counts = rows.size() == images.size() && hits[best] < images.size();
-  if (files[best] > 0 || (2 * hits[best] > images.size() && !counts)) return best;
+  const bool counts = rows.size() == count && hits[best] < count;
+  if (files[best] > 0 || (2 * hits[best] > count && !counts)) return best;
   const auto file = static_cast<std::size_t>(std::max_element(files.begin(), files.end()) - files.begin());
   return 2 * files[file] > rows.size() ? std::optional(file) : std::nullopt;
 }
@@ -131,8 +131,10 @@ Result<void> stamps_from_file(const std::string& path, ImageList& list, std::vec
     images[list.images[i].name] = i;
     list.images[i].stamp_ns.reset();
   }
+  // Names without the word for their side may stand with it in the file.
+  for (std::size_t i = 0; i < list.images.size(); ++i) images.emplace(fs::path(list.images[i].path).stem().string(), i);
   if (!table->note.empty()) notes.push_back(fmt::format("{}: {}", fs::path(path).filename().string(), table->note));
-  const auto word = naming_word(table->rows, images);
+  const auto word = naming_word(table->rows, images, list.images.size());
   return word ? by_name(*table, *word, images, path, list, notes) : by_order(*table, path, list, notes);
 }
 
@@ -150,8 +152,8 @@ bool is_times_name(const std::string& name) {
 }  // namespace
 
 std::string find_times(const std::string& folder) {
-  static constexpr std::array<const char*, 7> kStems{"times",       "timestamps", "timestamp",       "time",
-                                                     "time_stamps", "stamps",     "image_timestamps"};
+  static constexpr std::array<const char*, 8> kStems{"times",       "timestamps", "timestamp",        "time",
+                                                     "time_stamps", "stamps",     "image_timestamps", "frames"};
   static constexpr std::array<const char*, 5> kExtensions{".txt", ".csv", ".tsv", ".dat", ""};
   std::error_code ec;
   std::map<std::size_t, std::string> found;  // by preference
@@ -161,7 +163,7 @@ std::string find_times(const std::string& folder) {
     for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     std::error_code ignored;
     if (is_times_name(name) && entry->is_regular_file(ignored)) others.push_back(entry->path().string());
-    if (name.front() != 't' && name.front() != 's' && name.front() != 'i') continue;
+    if (std::string_view("tsif").find(name.front()) == std::string_view::npos) continue;
     for (std::size_t i = 0; i < kStems.size() * kExtensions.size(); ++i) {
       if (name != std::string(kStems[i / kExtensions.size()]) + kExtensions[i % kExtensions.size()]) continue;
       if (entry->is_directory(ignored)) break;
@@ -186,7 +188,10 @@ std::string find_image_list(const std::string& folder, const ImageList& list) {
   std::sort(files.begin(), files.end());
   std::set<std::string> names;
   const std::string own = fs::path(list.folder).filename().string();
-  for (const RecordedImage& image : list.images) names.insert(image.name);
+  for (const RecordedImage& image : list.images) {
+    names.insert(image.name);
+    names.insert(fs::path(image.path).stem().string());
+  }
   const auto is_here = [&](const std::string& word) {
     const fs::path path(word);
     if (!is_image_name(word) || names.count(image_named(word)) == 0) return false;

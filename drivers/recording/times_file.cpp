@@ -11,6 +11,7 @@
 
 #include "drivers/recording/dates.h"
 #include "drivers/recording/letters.h"
+#include "drivers/recording/other_epochs.h"
 #include "drivers/recording/times_rows.h"
 #include "drivers/text_file.h"
 
@@ -195,6 +196,7 @@ std::optional<std::int64_t> unit_in(const std::string& heading) {
 
 std::optional<TimestampNs> scaled(std::string_view word, std::int64_t unit_ns) {
   if (unit_ns == kOneSecond) return within_bounds(parse_seconds(word));
+  if (unit_ns == kTickNs || unit_ns == kDayNs) return within_bounds(since_1970(word, unit_ns));
   if (const auto whole = parse_integer(word)) {
     TimestampNs out = 0;
     if (__builtin_mul_overflow(*whole, unit_ns, &out)) return std::nullopt;
@@ -257,6 +259,7 @@ std::int64_t obvious_unit(const std::vector<TimesRow>& rows, std::size_t column)
 std::optional<std::int64_t> likelier_unit(const std::vector<TimesRow>& rows, std::size_t column,
                                           const std::string& heading) {
   std::vector<double> values;
+  values.reserve(rows.size());
   for (const TimesRow& row : rows) values.push_back(number_at(row, column).value_or(0.0));
   if (values.size() < 2) return std::nullopt;
   const double most = std::abs(*std::max_element(values.begin(), values.end()));
@@ -268,6 +271,10 @@ std::optional<std::int64_t> likelier_unit(const std::vector<TimesRow>& rows, std
   const std::int64_t obvious = obvious_unit(rows, column);
   if (obvious == 0) return std::nullopt;
   if (const auto named = unit_in(heading); named && *named != obvious && fits(*named)) return named;
+  // Ticks of today would be ns of the seventies.
+  for (const std::int64_t unit : {kTickNs, kDayNs}) {
+    if (is_of_this_century(most, unit) && is_ordinary_step(step * static_cast<double>(unit))) return unit;
+  }
   if (fits(obvious)) return std::nullopt;
   const auto other = unit_by_step(step);
   return other && fits(*other) ? other : std::nullopt;
@@ -321,7 +328,12 @@ std::optional<std::int64_t> unit_by_step(double step) {
 }
 
 std::string unit_name(std::int64_t unit_ns) {
-  return unit_ns == kOneSecond ? "s" : unit_ns == 1'000'000 ? "ms" : unit_ns == 1'000 ? "us" : "ns";
+  for (const auto& [unit, name] :
+       {std::pair{kOneSecond, "s"}, std::pair{kDayNs, "days"}, std::pair{kTickNs, "ticks of 100 ns"},
+        std::pair{std::int64_t{1'000'000}, "ms"}, std::pair{std::int64_t{1'000}, "us"}}) {
+    if (unit == unit_ns) return name;
+  }
+  return "ns";
 }
 
 Result<TimesTable> parse_times(std::string_view text, const std::string& path) {

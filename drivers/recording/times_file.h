@@ -29,7 +29,8 @@ struct TimesTable {
 // Columns are parted by blanks, tabs, commas or semicolons, words may be quoted. A time is a date and time (with an
 // offset from UTC or without), a time of the day, decimal seconds (with a point or a comma), a whole number of ms, us
 // or ns, or seconds and nanoseconds in two columns; a heading is left out. Whole numbers that are no times since 1970
-// take the unit in which they come at 0.5 to 1000 Hz. Error: a row that is no time, naming file and line.
+// take the unit in which they come at 0.5 to 1000 Hz; so do ticks of Windows and .NET, and MATLAB's days. Error: a row
+// that is no time, naming file and line.
 Result<TimesTable> parse_times(std::string_view text, const std::string& path);
 
 // One time on its own: decimal seconds ("1687709319.100414", "1.036e-01"), whole ms, us or ns since 1970 (by their

@@ -189,7 +189,7 @@ Result<std::unique_ptr<FrameSource>> open_videos(const VideoFiles& files, const 
     info.calibration = std::move(*calibration);
   }
   if (auto ok = read_masks(options.left_mask, options.right_mask, folder, info); !ok) return ok.error();
-  return play_pairs(std::move(store), std::move(*stamps), std::move(info), options);
+  return play_pairs(std::move(store), {files.left, files.right}, std::move(*stamps), std::move(info), options);
 }
 
 }  // namespace cliquevo::drivers

@@ -150,6 +150,54 @@ TEST(recording, euroc_folder_or_its_mav0) {
   EXPECT_EQ(play(open(dir)).stamps.front(), 1403636579763555584);
 }
 
+// The rig with its right camera first: as cam0 of a EuRoC folder, and of a Kalibr chain for two folders of these names.
+std::string folder_with_the_right_camera_first(const std::string& layout, const char* first, const char* second) {
+  const std::string dir = test::scratch_dir() + "/" + layout;
+  const test::Rig rig = test::make_rig();
+  test::Rig turned = rig;
+  std::swap(turned.K_left, turned.K_right);
+  std::swap(turned.D_left, turned.D_right);
+  turned.T_right_left = rig.T_right_left.inverse();
+  for (const bool is_first : {true, false}) {
+    const std::string camera = dir + "/" + (is_first ? first : second);
+    if (layout == "euroc") write_file(camera + "/sensor.yaml", test::euroc_yaml(turned, is_first));
+    for (const char* name : {"1403636579763555584.png", "1403636579813555584.png"}) {
+      write_image(camera + (layout == "euroc" ? "/data/" : "/") + name, 640, 480, is_first ? 1 : 2);
+    }
+  }
+  if (layout != "euroc") write_file(dir + "/camchain.yaml", test::kalibr_yaml(turned));
+  return dir;
+}
+
+std::string first_pair_seeds(const drivers::RecordingOptions& options) {
+  auto source = drivers::open_recording(options);
+  EXPECT_TRUE(source.ok()) << source.error().line();
+  if (!source.ok()) return {};
+  EXPECT_LT((*source)->info().calibration.T_right_left.t.x(), 0.0);
+  drivers::StereoPair pair;
+  EXPECT_TRUE(*(*source)->next(pair));
+  const auto seed = [](const Image<std::uint8_t>& image) {
+    return image.cview()(7, 5) == test::pixel_of(7, 5, 1) ? "1" : "2";
+  };
+  return std::string(seed(pair.left)) + seed(pair.right);
+}
+
+TEST(recording, numbered_images_follow_a_calibration_whose_first_camera_is_the_right_one) {
+  drivers::RecordingOptions options;
+  options.path = folder_with_the_right_camera_first("euroc", "mav0/cam0", "mav0/cam1");
+  EXPECT_EQ(first_pair_seeds(options), "21");
+  options.path = folder_with_the_right_camera_first("kalibr", "cam0", "cam1");
+  EXPECT_EQ(first_pair_seeds(options), "21");
+  options.order_stated = true;  // --swap-eyes exchanges them
+  EXPECT_EQ(first_pair_seeds(options), "12");
+}
+
+TEST(recording, images_named_left_and_right_are_what_they_are_called) {
+  drivers::RecordingOptions options;
+  options.path = folder_with_the_right_camera_first("named", "left", "right");
+  EXPECT_EQ(first_pair_seeds(options), "12");
+}
+
 // Two folders named `left` and `right` with these names of images, and a calibration.
 std::string two_folders(const std::vector<std::string>& left, const std::vector<std::string>& right,
                         const char* left_folder = "left", const char* right_folder = "right") {

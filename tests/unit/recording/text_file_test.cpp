@@ -193,7 +193,7 @@ std::vector<int> played(const RecordingOptions& options, std::vector<TimestampNs
   EXPECT_TRUE(rising.ok());
   SourceInfo info;
   info.width = 8, info.height = 6;
-  const auto source = play_pairs(std::make_unique<MadeStore>(), std::move(*rising), std::move(info), options);
+  const auto source = play_pairs(std::make_unique<MadeStore>(), {}, std::move(*rising), std::move(info), options);
   std::vector<int> out;
   StereoPair pair;
   for (;;) {

@@ -88,6 +88,20 @@ TEST(times_file, clocks_that_do_not_count_from_1970) {
   EXPECT_TRUE(parse_times("0.0\n0.1\n", "times.txt")->note.empty()) << "nothing was concluded";
 }
 
+TEST(times_file, ticks_and_days_from_other_years_than_1970) {
+  const TimestampNs start = 1'625'228'302'405'400'000;
+  EXPECT_EQ(stamps_of("frame,filetime\n0,132697019024054000\n1,132697019025054000\n"),
+            (Stamps{start, start + 100 * kMs}));
+  EXPECT_EQ(stamps_of("637608251024054000\n637608251025054000\n"), (Stamps{start, start + 100 * kMs})) << ".NET's";
+  const Stamps days = stamps_of("738339.500000000\n738339.500001157\n738339.500002315\n");
+  ASSERT_EQ(days.size(), 3U);
+  EXPECT_NEAR(static_cast<double>(days[0] - 1'625'227'200'000'000'000), 0.0, 1e5) << "noon of a day in 2021";
+  EXPECT_NEAR(static_cast<double>(days[2] - days[1]), 1e8, 1e5);
+  const auto said = parse_times("637608251024054000\n637608251025054000\n", "times.txt");
+  ASSERT_TRUE(said.ok());
+  EXPECT_NE(said->note.find("ticks of 100 ns"), std::string::npos) << said->note;
+}
+
 TEST(times_file, utf_16_of_either_order_with_its_mark_or_without) {
   for (const bool little : {true, false}) {
     for (const bool mark : {true, false}) {
@@ -187,9 +201,39 @@ TEST(times_file, names_in_any_case_and_the_rate_that_is_given_wins) {
     ASSERT_TRUE(source.ok()) << name << ": " << source.error().line();
     EXPECT_NEAR((*source)->info().rate_hz, 10.0, 1e-6) << name;
   }
+  // Of each camera, under its folder's name.
+  for (const char* name : {"image_0_times.txt", "timestamps_image_0.txt", "timestamp_image_0.csv", "frames.csv"}) {
+    const auto own = open(ten_pairs(rows(10, "{0:.1f}\n"), name));
+    ASSERT_TRUE(own.ok()) << name << ": " << own.error().line();
+    EXPECT_NEAR((*own)->info().rate_hz, 10.0, 1e-6) << name;
+  }
   const auto source = open(ten_pairs(rows(10)), 25.0);
   ASSERT_TRUE(source.ok());
   EXPECT_NEAR((*source)->info().rate_hz, 25.0, 1e-6);
+}
+
+TEST(times_file, a_list_above_the_images_names_those_of_each_camera) {
+  const std::string dir = test::scratch_dir();
+  std::string lists[2];
+  for (int i = 0; i < 4; ++i) {
+    for (const int camera : {0, 1}) {
+      const std::string name = fmt::format("img/image_{}_{}.png", camera, i);
+      test::write_image(dir + "/" + name, 64, 48, 2 * i + camera);
+      lists[camera] += fmt::format("{} {:.3f} {}\n", i, 1540822844.759 + 0.033 * i, name);
+    }
+  }
+  test::write_file(dir + "/left_images.txt", "# id timestamp image_name\n" + lists[0]);
+  test::write_file(dir + "/right_images.txt", "# id timestamp image_name\n" + lists[1]);
+  test::write_file(dir + "/calib.txt", test::kitti_calibration());
+  const auto source = open(dir);
+  ASSERT_TRUE(source.ok()) << source.error().line();
+  EXPECT_NEAR((*source)->info().rate_hz, 1.0 / 0.033, 0.01);
+}
+
+TEST(times_file, a_rate_that_no_camera_has_is_said) {
+  const auto fast = open(ten_pairs("0.0\n0.0001\n0.0002\n0.0003\n0.0004\n0.0005\n0.0006\n0.0007\n0.0008\n0.0009\n"));
+  ASSERT_TRUE(fast.ok()) << fast.error().line();
+  EXPECT_NE((*fast)->info().description.find("--rate"), std::string::npos) << (*fast)->info().description;
 }
 
 TEST(names, times_in_names_with_what_else_they_hold) {
