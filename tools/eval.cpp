@@ -24,6 +24,7 @@ struct EvalArguments {
   EvaluationOptions options;
   double tolerance_s = 0.01;
   bool body_frame = false;
+  bool frame_is_stated = false;
   bool json = false;
   std::string plot;
   std::string report;
@@ -91,10 +92,10 @@ int run_eval(const EvalArguments& arguments) {
     if (!found) return report(found.error());
     drawing = *found;
   }
-  const auto reference = read_reference(arguments.reference);
-  if (!reference) return report(reference.error());
-  const auto estimate = daemon::read_trajectory(arguments.estimate);
-  if (!estimate) return report(estimate.error());
+  const auto compared = read_compared(arguments.reference, arguments.estimate, arguments.frame_is_stated);
+  if (!compared) return report(compared.error());
+  const daemon::Trajectory* reference = &compared->reference;
+  const daemon::Trajectory* estimate = &compared->estimate;
   EvaluationOptions options = arguments.options;
   options.max_stamp_difference_ns = static_cast<std::int64_t>(arguments.tolerance_s * 1e9);
   options.reference_frame = arguments.body_frame ? ReferenceFrame::body : ReferenceFrame::camera;
@@ -109,6 +110,7 @@ int run_eval(const EvalArguments& arguments) {
   } else {
     print_table(result);
   }
+  for (const Error& warning : compared->warnings) warn(warning);
   warn_of_other_axes(arguments, *reference, *estimate, options, result);
   if (!arguments.plot.empty()) {
     auto file = OutputFile::open(arguments.plot, "plot");
@@ -145,12 +147,14 @@ void add_eval_command(CliCommand app, int& exit_code) {
   auto arguments = std::make_shared<EvalArguments>();
   const CliCommand eval =
       app.add_subcommand("eval", "Compare a trajectory with its reference: segment errors, ATE, RPE, drift");
-  eval.add_option("--reference,REFERENCE", arguments->reference,
-                  "Trajectory held to be true (KITTI or TUM format, EuRoC's data.csv, KITTI-360's cam0_to_world.txt)")
+  eval.add_option(
+          "--reference,REFERENCE", arguments->reference,
+          "Trajectory held to be true (KITTI or TUM format, EuRoC's data.csv, KITTI-360's cam0_to_world.txt, a table "
+          "whose heading names its columns, ...: docs/inputs-and-outputs.md)")
       .required()
       .type_name("FILE");
   eval.add_option("--estimate,ESTIMATE", arguments->estimate,
-                  "Trajectory to judge (KITTI beside KITTI, TUM beside TUM and EuRoC)")
+                  "Trajectory to judge, of the same formats (without stamps beside without, with stamps beside with)")
       .required()
       .type_name("FILE");
   eval.add_option("--lengths", arguments->options.lengths_m, "Lengths of the segments, m, with commas between")
@@ -167,8 +171,14 @@ void add_eval_command(CliCommand app, int& exit_code) {
       .checked_by(is_length)
       .type_name("S");
   eval.add_option_function<std::string>(
-          "--reference-frame", [arguments](const std::string& frame) { arguments->body_frame = frame == "body"; },
-          "Axes of the reference's poses: camera (Z forward, Y down) or body (X forward, Z up); default camera")
+          "--reference-frame",
+          [arguments](const std::string& frame) {
+            arguments->body_frame = frame == "body";
+            arguments->frame_is_stated = true;
+          },
+          "Axes of the reference's poses: camera (Z forward, Y down) or body (X forward, Z up); default camera, and "
+          "for "
+          "poses of a body none: say it")
       .one_of({"camera", "body"})
       .type_name("FRAME");
   eval.add_flag("--json", arguments->json, "Print JSON instead of the table");

@@ -190,8 +190,8 @@ Result<std::vector<PosePair>> associate(const Trajectory& reference, const Traje
                                         const EvaluationOptions& options) {
   if (reference.format != estimate.format) {
     return Error{"cannot compare trajectories",
-                 fmt::format("the reference is {}, the estimate {}", trajectory_format_name(reference.format),
-                             trajectory_format_name(estimate.format)),
+                 reference.format == TrajectoryFormat::tum ? "the reference has stamps, the estimate is a row a frame"
+                                                           : "the reference is a row a frame, the estimate has stamps",
                  "KITTI files carry no times: give both in one format (cliquevo replay --format)"};
   }
   std::vector<PosePair> pairs;

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "drivers/calibration/calibration.h"
 #include "drivers/calibration_file.h"
 #include "stereo/rectification.h"
 
@@ -18,6 +19,10 @@ namespace cliquevo::tools {
 namespace fs = std::filesystem;
 
 namespace {
+
+bool is_rotation(const Eigen::Matrix3d& R) {
+  return (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
+}
 
 // T_BS of a sensor.yaml: from the sensor to the body.
 Result<RigidTransform> read_mounting(const fs::path& file) {
@@ -46,16 +51,65 @@ Result<RigidTransform> read_mounting(const fs::path& file) {
   return RigidTransform{R, T.topRightCorner<3, 1>()};
 }
 
+// T_cam_imu of the first camera in a Kalibr file, turned round: from the camera to the body.
+std::optional<RigidTransform> mounting_in_kalibr(const std::string& file) {
+  std::error_code ec;
+  if (file.empty() || !fs::is_regular_file(file, ec) || fs::file_size(file, ec) > (1U << 20U)) return std::nullopt;
+  std::ostringstream whole;
+  whole << std::ifstream(file).rdbuf();
+  const std::string text = whole.str();
+  const std::size_t camera = text.find("cam0:");
+  const std::string_view key = "T_cam_imu:";
+  const std::size_t at = camera == std::string::npos ? camera : text.find(key, camera);
+  if (at == std::string::npos || text.find("cam1:", camera) < at) return std::nullopt;
+  std::string list = text.substr(at + key.size(), 2000);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    const bool dash = list[i] == '-' && i + 1 < list.size() && list[i + 1] == ' ';  // of YAML's lists
+    if (dash || list[i] == '[' || list[i] == ']' || list[i] == ',') list[i] = ' ';
+  }
+  std::istringstream in(list);
+  Eigen::Matrix4d T;
+  for (int i = 0; i < 16; ++i) {
+    if (!(in >> T(i / 4, i % 4))) return std::nullopt;
+  }
+  const RigidTransform T_camera_body{T.topLeftCorner<3, 3>(), T.topRightCorner<3, 1>()};
+  if (!is_rotation(T_camera_body.R) || !(T_camera_body.t.norm() < 1e4)) return std::nullopt;
+  return T_camera_body.inverse();
+}
+
+Error unknown_mounting(const std::string& path, const daemon::Trajectory& trajectory, const std::string& remedy) {
+  return {fmt::format("the reference is of {}, and where the camera sits is not known", trajectory.body), path, remedy};
+}
+
+struct MountedCamera {
+  RigidTransform T_body_camera;
+  std::string calibration;
+};
+
+// From cam0/sensor.yaml of the recording, else from its Kalibr file.
+std::optional<MountedCamera> camera_in(const fs::path& recording) {
+  const fs::path sensor = recording / "cam0" / "sensor.yaml";
+  if (const auto mounting = read_mounting(sensor)) return MountedCamera{*mounting, sensor.string()};
+  for (const fs::path& folder : {recording, recording.parent_path(), recording.parent_path() / "dso"}) {
+    const std::string file = drivers::find_calibration(folder.string());
+    if (const auto mounting = mounting_in_kalibr(file)) return MountedCamera{*mounting, file};
+  }
+  return std::nullopt;
+}
+
 // From the rectified left camera to the frame whose poses a EuRoC ground truth holds.
-Result<RigidTransform> rectified_camera_on_body(const std::string& path, const StereoCalibration* calibration) {
+Result<RigidTransform> rectified_camera_on_body(const std::string& path, const daemon::Trajectory& trajectory,
+                                                const StereoCalibration* calibration) {
   std::error_code ec;
   const fs::path folder = fs::weakly_canonical(path, ec).parent_path();
   const fs::path recording = folder.parent_path();
-  const fs::path camera_file = recording / "cam0" / "sensor.yaml";
-  const auto T_body_camera = read_mounting(camera_file);
-  if (!T_body_camera) {
-    return Error{"EuRoC ground truth is of the body, and where the camera sits is not known", path,
-                 "leave it in its recording: " + camera_file.string() + " has it"};
+  const auto camera = camera_in(recording);
+  if (!camera) {
+    return unknown_mounting(
+        path, trajectory,
+        fmt::format("leave it in its recording: {} has it; or let cliquevo eval take it as it is, with "
+                    "--reference-frame",
+                    (recording / "cam0" / "sensor.yaml").string()));
   }
   // The ground truth's own sensor is the body, as a rule.
   RigidTransform T_body_sensor;
@@ -64,7 +118,7 @@ Result<RigidTransform> rectified_camera_on_body(const std::string& path, const S
   }
   StereoCalibration read_here;
   if (calibration == nullptr) {
-    auto read = drivers::read_calibration(camera_file.string(), 0, 0);
+    auto read = drivers::read_calibration(camera->calibration, 0, 0);
     if (!read) return read.error();
     read_here = std::move(*read);
     calibration = &read_here;
@@ -72,7 +126,7 @@ Result<RigidTransform> rectified_camera_on_body(const std::string& path, const S
   const auto rectification = stereo::choose_rectification(*calibration);
   if (!rectification) return rectification.error();
   const RigidTransform T_camera_rectified{rectification->R_left.transpose(), Eigen::Vector3d::Zero()};
-  return T_body_sensor.inverse() * *T_body_camera * T_camera_rectified;
+  return T_body_sensor.inverse() * camera->T_body_camera * T_camera_rectified;
 }
 
 // The numbers after `key` in one of KITTI-360's calibration files.
@@ -90,10 +144,6 @@ std::optional<std::vector<double>> numbers_after(const fs::path& file, const std
     return out;
   }
   return std::nullopt;
-}
-
-bool is_rotation(const Eigen::Matrix3d& R) {
-  return (R * R.transpose() - Eigen::Matrix3d::Identity()).norm() < 1e-3 && R.determinant() > 0.0;
 }
 
 // KITTI-360: from the rectified left camera to the navigation unit, whose poses poses.txt holds. The data set's own
@@ -129,20 +179,66 @@ Result<RigidTransform> rectified_camera_on_vehicle(const std::string& path) {
 
 }  // namespace
 
+namespace {
+
+Result<RigidTransform> rectified_camera_on(const daemon::Trajectory& trajectory, const std::string& path,
+                                           const StereoCalibration* calibration) {
+  if (trajectory.mounting == daemon::BodyMounting::kitti360) return rectified_camera_on_vehicle(path);
+  if (trajectory.mounting == daemon::BodyMounting::euroc)
+    return rectified_camera_on_body(path, trajectory, calibration);
+  return unknown_mounting(
+      path, trajectory,
+      "give poses of the left camera; cliquevo eval takes these as they are where --reference-frame "
+      "says in which axes (body: X forward, Z up)");
+}
+
+// A remark that is no fault: what the reader concluded.
+void add_note(const daemon::Trajectory& trajectory, const std::string& path, std::vector<Error>& out) {
+  if (!trajectory.note.empty()) out.push_back({"not said in the file", path, trajectory.note});
+}
+
+}  // namespace
+
 Result<daemon::Trajectory> read_reference(const std::string& path, const StereoCalibration* calibration) {
   auto trajectory = daemon::read_trajectory(path);
   if (!trajectory || !trajectory->of_body) return trajectory;
-  const auto T_body_camera =
-      trajectory->numbered ? rectified_camera_on_vehicle(path) : rectified_camera_on_body(path, calibration);
+  const auto T_body_camera = rectified_camera_on(*trajectory, path, calibration);
   if (!T_body_camera) return T_body_camera.error();
   for (daemon::StampedPose& pose : trajectory->poses) pose.T_world_camera = pose.T_world_camera * *T_body_camera;
   return trajectory;
 }
 
+Result<ReferenceAndEstimate> read_compared(const std::string& reference, const std::string& estimate,
+                                           bool frame_is_stated) {
+  auto judged = daemon::read_trajectory(estimate);
+  auto plain = daemon::read_trajectory(reference);
+  if (!plain) return plain.error();
+  if (!judged) return judged.error();
+  ReferenceAndEstimate out;
+  add_note(*plain, reference, out.warnings);
+  add_note(*judged, estimate, out.warnings);
+  if (judged->of_body && plain->of_body) {
+    if (judged->body != plain->body) {
+      out.warnings.push_back({fmt::format("the estimate is of {}, the reference of {}", judged->body, plain->body),
+                              estimate, "both are compared as if of the same frame"});
+    }
+  } else if (judged->of_body) {
+    out.warnings.push_back({fmt::format("the estimate is of {}, not of the camera", judged->body), estimate,
+                            "only where the reference is of the same can more than the ATE be trusted"});
+  } else if (plain->of_body) {
+    auto of_camera = read_reference(reference);
+    if (!of_camera && !frame_is_stated) return of_camera.error();
+    if (of_camera) *plain = std::move(*of_camera);
+  }
+  out.reference = std::move(*plain);
+  out.estimate = std::move(*judged);
+  return out;
+}
+
 std::string reference_beside(const std::string& recording) {
   std::error_code ignored;
   for (const char* name : {"poses.txt", "groundtruth.tum", "state_groundtruth_estimate0/data.csv",
-                           "mav0/state_groundtruth_estimate0/data.csv"}) {
+                           "mav0/state_groundtruth_estimate0/data.csv", "mocap0/data.csv", "mav0/mocap0/data.csv"}) {
     if (const fs::path file = fs::path(recording) / name; fs::is_regular_file(file, ignored)) return file.string();
   }
   // KITTI-360: data_2d_raw/DRIVE and data_poses/DRIVE.

@@ -302,7 +302,7 @@ void add_replay_command(CliCommand app, int& exit_code) {
   replay
       .add_option("--reference", arguments->reference,
                   "True trajectory for the plot and the summary (default: the recording's own poses.txt, "
-                  "groundtruth.tum, EuRoC ground truth or KITTI-360 poses, the simulator's truth)")
+                  "groundtruth.tum, EuRoC's or TUM VI's ground truth or KITTI-360 poses, the simulator's truth)")
       .type_name("FILE");
   replay
       .add_option_function<std::string>(

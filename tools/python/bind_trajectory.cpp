@@ -90,10 +90,18 @@ py::object evaluate(const py::object& reference, const py::object& estimate,
                     const std::optional<std::vector<double>>& lengths_m, double tolerance_s, double sample_period_s,
                     const std::string& reference_frame) {
   const tools::EvaluationOptions options = options_of(lengths_m, tolerance_s, sample_period_s, reference_frame);
-  const Trajectory truth = is_path(reference) ? value_of(tools::read_reference(path_of(reference, "reference")))
-                                              : trajectory_of(reference, "reference");
-  const Trajectory judged = is_path(estimate) ? value_of(daemon::read_trajectory(path_of(estimate, "estimate")))
-                                              : trajectory_of(estimate, "estimate");
+  tools::ReferenceAndEstimate compared;
+  if (is_path(reference) && is_path(estimate)) {
+    compared = value_of(tools::read_compared(path_of(reference, "reference"), path_of(estimate, "estimate"),
+                                             reference_frame == "body"));
+  } else {
+    compared.reference = is_path(reference) ? value_of(tools::read_reference(path_of(reference, "reference")))
+                                            : trajectory_of(reference, "reference");
+    compared.estimate = is_path(estimate) ? value_of(daemon::read_trajectory(path_of(estimate, "estimate")))
+                                          : trajectory_of(estimate, "estimate");
+  }
+  const Trajectory& truth = compared.reference;
+  const Trajectory& judged = compared.estimate;
   std::mutex alone;
   const auto result = value_of(without_gil(alone, [&]() -> Result<tools::Evaluation> {
     const auto pairs = tools::associate(truth, judged, options);

@@ -2,6 +2,7 @@
 #include "tools/reference.h"
 
 #include <filesystem>
+#include <fstream>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include "stereo/rectification.h"
 #include "tests/support/test_data.h"
 #include "tests/unit/recording/fixtures.h"
+#include "tools/evaluation.h"
 
 namespace cliquevo::tools {
 namespace {
@@ -80,6 +82,91 @@ TEST(Reference, EurocGroundTruthWithoutItsCameraIsRefusedByName) {
   reference = read_reference(csv);
   ASSERT_FALSE(reference.ok());
   test::expect_clear(reference.error(), {"data.csv", "cam0/sensor.yaml"});
+}
+
+// The same poses of the body, as VINS-Fusion writes them.
+std::string write_vins(const std::string& path, const std::string& euroc_csv) {
+  std::ifstream in(euroc_csv);
+  std::string text;
+  for (std::string line; std::getline(in, line);) {
+    if (line.front() == '#') continue;
+    std::size_t end = 0;
+    for (int i = 0; i < 8; ++i) end = line.find(',', end) + 1;
+    text += line.substr(0, end) + "0.1,0.2,0.3,\n";
+  }
+  return test::write_file(path, text);
+}
+
+TEST(Reference, TrajectoriesOfTheSameBodyAreComparedAsTheyAre) {
+  const std::string dir = test::scratch_dir();
+  const std::string csv = write_euroc_truth(dir);
+  const std::string vins = write_vins(dir + "/vio.csv", csv);
+  const auto compared = read_compared(csv, vins, false);
+  ASSERT_TRUE(compared.ok()) << compared.error().line();
+  const auto pairs = associate(compared->reference, compared->estimate, {});
+  ASSERT_TRUE(pairs.ok()) << pairs.error().line();
+  const Evaluation result = evaluate(*pairs, {});
+  EXPECT_LT(result.rpe_m, 1e-9);
+  EXPECT_LT(result.end_m, 1e-9);
+}
+
+TEST(Reference, PosesOfABodyAreTakenAsTheyAreOnlyWhereTheirAxesAreStated) {
+  const std::string dir = test::scratch_dir();
+  const std::string csv = write_euroc_truth(dir);
+  const std::string vins = write_vins(test::scratch_dir() + "/alone/vio.csv", csv);
+  const std::string camera =
+      test::write_file(dir + "/camera.tum", "1403636580.0 0 0 0 0 0 0 1\n1403636580.05 0 0 1 0 0 0 1\n");
+  const auto refused = read_compared(vins, camera, false);
+  ASSERT_FALSE(refused.ok());
+  test::expect_clear(refused.error(), {"vio.csv", "VINS-Fusion", "--reference-frame"});
+  const auto stated = read_compared(vins, camera, true);
+  ASSERT_TRUE(stated.ok()) << stated.error().line();
+  EXPECT_TRUE(stated->warnings.empty());
+  // As an estimate it is held against a camera's path, and said to be none.
+  const auto judged = read_compared(camera, vins, false);
+  ASSERT_TRUE(judged.ok()) << judged.error().line();
+  ASSERT_EQ(judged->warnings.size(), 1U);
+  EXPECT_NE(judged->warnings[0].line().find("VINS-Fusion"), std::string::npos);
+}
+
+// TUM VI: mocap0 instead of state_groundtruth_estimate0, and one Kalibr file instead of each camera's sensor.yaml.
+TEST(Reference, TumVisMotionCaptureIsARecordingsOwnAndItsCameraIsInTheKalibrFile) {
+  const std::string euroc = test::scratch_dir();
+  write_euroc_truth(euroc);
+  const auto calibration = drivers::read_calibration(euroc + "/mav0/cam0/sensor.yaml", 0, 0);
+  ASSERT_TRUE(calibration.ok());
+  const std::string dir = test::scratch_dir() + "/room1";
+  const RigidTransform T_body_camera{so3_exp({0.2, -1.0, 0.9}), {0.1, -0.05, 0.02}};
+  const RigidTransform T_camera_body = T_body_camera.inverse();
+  std::string yaml = "cam0:\n  T_cam_imu:\n";
+  for (int i = 0; i < 3; ++i) {
+    yaml += fmt::format("  - [{:.12f}, {:.12f}, {:.12f}, {:.12f}]\n", T_camera_body.R(i, 0), T_camera_body.R(i, 1),
+                        T_camera_body.R(i, 2), T_camera_body.t[i]);
+  }
+  yaml +=
+      "  - [0.0, 0.0, 0.0, 1.0]\n"
+      "  camera_model: pinhole\n  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  distortion_model: radtan\n"
+      "  intrinsics: [400.0, 400.0, 320.0, 240.0]\n  resolution: [640, 480]\n"
+      "cam1:\n  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, -0.1]\n  - [0.0, 1.0, 0.0, 0.0]\n  - [0.0, 0.0, 1.0, 0.0]\n"
+      "  - [0.0, 0.0, 0.0, 1.0]\n"
+      "  camera_model: pinhole\n  distortion_coeffs: [0.0, 0.0, 0.0, 0.0]\n  distortion_model: radtan\n"
+      "  intrinsics: [400.0, 400.0, 320.0, 240.0]\n  resolution: [640, 480]\n";
+  test::write_file(dir + "/dso/camchain.yaml", yaml);
+  const std::string csv = test::write_file(
+      dir + "/mav0/mocap0/data.csv",
+      "#timestamp [ns], p_RS_R_x [m], p_RS_R_y [m], p_RS_R_z [m], q_RS_w [], q_RS_x [], q_RS_y [], q_RS_z []\n"
+      "1403636580000000000,1,2,3,1,0,0,0\n1403636580050000000,1,2,4,1,0,0,0\n");
+  EXPECT_EQ(reference_beside(dir), csv);
+  EXPECT_EQ(reference_beside(dir + "/mav0"), csv);
+  // Rectified as they are: nothing turns the camera of such a pair.
+  for (const StereoCalibration* given : {static_cast<const StereoCalibration*>(nullptr), &*calibration}) {
+    const auto reference = read_reference(csv, given);
+    ASSERT_TRUE(reference.ok()) << reference.error().line();
+    const Eigen::Vector3d place = reference->poses[0].T_world_camera.t - Eigen::Vector3d(1, 2, 3);
+    EXPECT_LT((place - T_body_camera.t).norm(), 1e-9);
+    const bool turned = (reference->poses[0].T_world_camera.R - T_body_camera.R).norm() > 1e-9;
+    EXPECT_EQ(turned, given != nullptr);
+  }
 }
 
 TEST(Reference, Kitti360sPosesAreFoundBesideTheRawDataAndMatchedByNumber) {
