@@ -54,12 +54,17 @@ void store(const Matrix6d& M, double (&out)[6][6]) {
   }
 }
 
+// One number for a covariance, by its root: the geometric mean of its variances along its axes.
+double size_of(const Matrix6d& root) { return std::exp(root.diagonal().array().log().sum() / 3.0); }
+
 }  // namespace
 
-PoseCovariance::PoseCovariance() : matrix_(start_covariance()), last_(Matrix6d::Zero()), shared_(Matrix6d::Zero()) {}
+PoseCovariance::PoseCovariance()
+    : matrix_(start_covariance()), lasting_(matrix_), last_noise_(0.0), shared_(Matrix6d::Zero()) {}
 
-// The errors of motion k are L_k (m_k + b_k), where L_k L_k^T is its covariance, m_k a moving average of one step and
-// b_k a Gauss-Markov process: their joint covariance is exact, so that what comes of it is one.
+// The errors of motion k are L_k / sqrt(c_k) (sqrt(n_k) x_k - sqrt(n_k-1) x_k-1 + sqrt(n_k) y_k), where L_k L_k^T is
+// its covariance and c_k its size, n_k the noise of its last image, x_k white, and y_k a little of a Gauss-Markov
+// process: their joint covariance is exact, so that what comes of it is one.
 void PoseCovariance::add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved, const Matrix6d& delta,
                          Motion motion) {
   // p = p0 + R0 t, R = R0 dR; the delta's perturbation (a, b) makes t + a + b x t and exp(b) dR of them.
@@ -69,16 +74,27 @@ void PoseCovariance::add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d&
   G.topLeftCorner<3, 3>() = R_before;
   G.topRightCorner<3, 3>() = -R_before * cross(moved);
   G.bottomRightCorner<3, 3>() = R_before;
-  const Eigen::LLT<Matrix6d> root(delta);
-  const bool usable = motion != Motion::guess && root.info() == Eigen::Success && delta.allFinite();
-  const Matrix6d now = usable ? Matrix6d(G * Matrix6d(root.matrixL())) : Matrix6d::Zero();
   static const double fade = std::exp(-1.0 / kSharedMotions);
-  const Matrix6d shared = fade * F * shared_;
-  Matrix6d with_pose = shared * now.transpose();
-  if (motion == Motion::next) with_pose -= (1.0 - kShared) * kTakenBack * F * last_ * now.transpose();
-  matrix_ = F * matrix_ * F.transpose() + G * delta * G.transpose() + with_pose + with_pose.transpose();
-  shared_ = shared + kShared * now;
-  last_ = now;
+  const Matrix6d in_common = fade * F * shared_;
+  if (motion != Motion::next) {  // from another image than the last one, whose noise nothing takes back
+    lasting_ = matrix_;
+    last_noise_ = 0.0;
+  }
+  const Eigen::LLT<Matrix6d> root(delta);
+  if (motion == Motion::guess || root.info() != Eigen::Success || !delta.allFinite()) {
+    matrix_ = F * matrix_ * F.transpose() + G * delta * G.transpose();
+    lasting_ = matrix_;
+    last_noise_ = 0.0;
+    shared_ = in_common;
+    return;
+  }
+  const double size = size_of(root.matrixL());
+  last_noise_ = 0.5 * std::max(size - last_noise_, kLeastNew * size);
+  const Matrix6d own = std::sqrt(last_noise_ / size) * G * Matrix6d(root.matrixL());
+  const Matrix6d with_pose = std::sqrt(kShared) * in_common * own.transpose();
+  lasting_ = F * lasting_ * F.transpose() + own * own.transpose() + with_pose + with_pose.transpose();
+  shared_ = in_common + std::sqrt(kShared) * own;
+  matrix_ = lasting_ + own * own.transpose();
 }
 
 OdometryBuilder::OdometryBuilder(const RigidTransform& T_body_camera)

@@ -15,13 +15,14 @@ namespace cliquevo::daemon {
 
 // How errors of successive motions go together, as measured on the simulator's courses, in units of each motion's
 // covariance (tests/system/pose_covariance_test.cpp prints both).
-// Noise of the image between two motions moves its pose forth in the one and back in the other: their correlation is
-// -kTakenBack. Sums of ten motions have less than half the variance that independent ones would have.
-inline constexpr double kTakenBack = 1.0 / 3.0;
-// The same features on the same surfaces, and what is left of the calibration's errors: a share kShared of each
-// variance is of errors that many motions have in common, and that fade over kSharedMotions of them. Sums of hundreds
-// have once to twice the variance.
-inline constexpr double kShared = 0.0035;
+// A motion's error has three parts: noise of the image that it ends in, which the next motion takes back; that of the
+// image before, which it takes back itself; and one of its own. The first and the last are alike, so that of motions
+// with equal covariances each part has a third: successive errors correlate by -1/3. A blurred picture makes the
+// covariance of two motions large, and what it adds to the pose is gone with the second.
+inline constexpr double kLeastNew = 0.1;  // share of a motion's variance, at least, that is not of the image before
+// The same features on the same surfaces, and what is left of the calibration's errors: a share kShared of the variance
+// of each motion's own part is of errors that many motions have in common, and that fade over kSharedMotions of them.
+inline constexpr double kShared = 0.0115;
 inline constexpr double kSharedMotions = 100.0;
 
 // Covariance of a pose over the way to it: of position and rotation vector along the axes of the odometry frame.
@@ -41,9 +42,10 @@ class PoseCovariance {
   const Matrix6d& matrix() const { return matrix_; }
 
  private:
-  Matrix6d matrix_;
-  Matrix6d last_;    // a root of the last motion's covariance, as it moved the pose; zero: none
-  Matrix6d shared_;  // of the pose's error with the errors that motions share, the latter in units of their roots
+  Matrix6d matrix_;    // all of it
+  Matrix6d lasting_;   // without the noise of the last image
+  double last_noise_;  // of the last image, a variance in the unit of size_of() of a motion's covariance
+  Matrix6d shared_;    // of the pose's error with the errors that motions share, the latter with variance 1
 };
 
 class OdometryBuilder {

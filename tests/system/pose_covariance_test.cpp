@@ -127,8 +127,8 @@ double normalised_error(const odometry_t& m, const RigidTransform& truth) {
   return error.dot(matrix(m.pose_covariance).ldlt().solve(error));
 }
 
-// What kTakenBack and kShared rest on: how errors of a motion correlate with those of the next, and the variance of
-// sums of many beside the sum of their variances.
+// What the model of successive motions (daemon/lcm/odometry_builder.h) rests on: how errors of a motion correlate with
+// those of the next, and the variance of sums of many beside the sum of their variances.
 class Correlation {
  public:
   static constexpr std::array<std::size_t, 3> kSums{40, 160, 640};
@@ -185,8 +185,9 @@ TEST_P(PoseCovarianceOn, HoldsAtEveryFiftyMetres) {
       "variance of sums of 40 is {:.2f} of the sum, of 160 {:.2f}, of 640 {:.2f}\n",
       course, correlation.own(), correlation.with_next(), correlation.of_sums(0), correlation.of_sums(1),
       correlation.of_sums(2));
-  EXPECT_LT(correlation.with_next(), -0.5 * daemon::kTakenBack);
-  EXPECT_GT(correlation.with_next(), -2.0 * daemon::kTakenBack);
+  constexpr double kOfAlikeMotions = -1.0 / 3.0;
+  EXPECT_LT(correlation.with_next(), 0.5 * kOfAlikeMotions);
+  EXPECT_GT(correlation.with_next(), 2.0 * kOfAlikeMotions);
   for (const auto& [mark, values] : found) {
     double mean = 0.0;
     for (const double value : values) mean += value / static_cast<double>(values.size());

@@ -70,27 +70,29 @@ TEST(OdometryBuilder, TheCovarianceIsThatOfManyNoisyWays) {
   std::normal_distribution<double> normal;
   Matrix6d sampled = Matrix6d::Zero();
   const RigidTransform true_pose = T_body_camera * frame.estimate.T_world_camera * T_body_camera.inverse();
-  // Errors of a motion in part take back those of the one before (a moving average, with that correlation), and share a
-  // part that fades slowly.
-  const double own = 0.5 * (std::sqrt(1.0 + 2.0 * kTakenBack) + std::sqrt(1.0 - 2.0 * kTakenBack));
-  const double back = kTakenBack / own;
+  // Noise of the image that a motion ends in, which the next takes back; and as much of the motion's own, of which a
+  // part fades slowly.
   const double fade = std::exp(-1.0 / kSharedMotions);
   for (int k = 0; k < kWays; ++k) {
     RigidTransform T;
     Vector6d before;
     Vector6d common;
     for (int j = 0; j < 6; ++j) {
-      before[j] = normal(random);
+      before[j] = 0.0;
       common[j] = std::sqrt(kShared) * normal(random);
     }
+    double noise_before = 0.0;
     for (int i = 0; i < kFrames; ++i) {
+      const double noise_now = 0.5 * (1.0 - noise_before);
       Vector6d now;
       Vector6d x;
       for (int j = 0; j < 6; ++j) {
         now[j] = normal(random);
         common[j] = fade * common[j] + std::sqrt(kShared * (1.0 - fade * fade)) * normal(random);
-        x[j] = std::sqrt(noise(j, j)) * (std::sqrt(1.0 - kShared) * (own * now[j] - back * before[j]) + common[j]);
+        const double own = std::sqrt(1.0 - kShared) * normal(random) + common[j];
+        x[j] = std::sqrt(noise(j, j)) * (std::sqrt(noise_now) * (now[j] + own) - std::sqrt(noise_before) * before[j]);
       }
+      noise_before = noise_now;
       before = now;
       T = T * perturbed(step(), x);
     }
@@ -128,6 +130,22 @@ TEST(OdometryBuilder, TheCovarianceIsOneHoweverMuchSuccessiveMotionsDiffer) {
       before = covariance.matrix().trace();
     }
   }
+}
+
+TEST(OdometryBuilder, WhatABlurredPictureAddsIsTakenBackInPart) {
+  PoseCovariance sharp;
+  PoseCovariance blurred;
+  const Matrix6d usual = 1e-6 * Matrix6d::Identity();
+  std::vector<double> added;
+  for (int i = 0; i < 53; ++i) {
+    const bool blur = i == 50 || i == 51;  // both motions that the picture is in
+    sharp.add(Eigen::Matrix3d::Identity(), {}, usual, PoseCovariance::Motion::next);
+    blurred.add(Eigen::Matrix3d::Identity(), {}, blur ? 100.0 * usual : usual, PoseCovariance::Motion::next);
+    added.push_back(blurred.matrix().trace() - sharp.matrix().trace());
+  }
+  EXPECT_EQ(added[49], 0.0);
+  EXPECT_GT(added[50], 95.0 * usual.trace());
+  EXPECT_LT(added[52], 0.8 * added[50]);  // of 200 that both motions have
 }
 
 TEST(OdometryBuilder, AFailureGrowsTheCovarianceAndAValidFrameSpansIt) {
