@@ -112,7 +112,7 @@ std::optional<Error> BagRecorder::failure() const {
 Result<void> BagRecorder::stop() {
   impl_->end();
   if (impl_->failure) return *impl_->failure;
-  const Result<void> done = impl_->bag.finish();
+  Result<void> done = impl_->bag.finish();
   impl_->counts.bytes = impl_->bag.bytes();
   return done;
 }

@@ -160,7 +160,7 @@ std::string config_sample() {
       group = key.group;
       out += "\n";
       for (const std::string& line : wrapped_lines(group, kWidth - 2 - indent.size()))
-        out += indent + "# " + line + "\n";
+        out += fmt::format("{}# {}\n", indent, line);
     }
     out += commented(indent + last_part(key.name) + ": " + yaml_value(key), sentence(key));
   }

@@ -47,6 +47,7 @@ Error hand_over(const std::string& option) {
   if (program.empty()) return {"not installed", option, "install the package cliquevo-tools"};
   std::vector<std::string> words = command_line();
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   ::execv(program.c_str(), arguments.data());

@@ -44,7 +44,7 @@ constexpr std::size_t kVeryMany = 60;   // from here on precision may be missing
 std::size_t cell_of(const Eigen::Vector2d& px, int width, int height) {
   const int x = std::clamp(static_cast<int>(kCellsAcross * px.x() / width), 0, kCellsAcross - 1);
   const int y = std::clamp(static_cast<int>(kCellsDown * px.y() / height), 0, kCellsDown - 1);
-  return static_cast<std::size_t>(y * kCellsAcross + x);
+  return static_cast<std::size_t>(y) * kCellsAcross + static_cast<std::size_t>(x);
 }
 
 double filled(const Cells& cells) {

@@ -41,7 +41,8 @@ apriltag_family_t* tag_family(int border) {
 MarkerCells april_tag(int id) {
   apriltag_family_t* family = tag_family(kKalibrsBorder);
   MarkerCells out{family->width_at_border, {}};
-  out.cells.assign(static_cast<std::size_t>(out.across * out.across), 1);
+  const auto across = static_cast<std::size_t>(out.across);
+  out.cells.assign(across * across, 1);
   const std::uint64_t code = family->codes[id];
   for (std::uint32_t i = 0; i < family->nbits; ++i) {
     const bool white = (code >> (family->nbits - 1 - i) & 1U) != 0;

@@ -15,7 +15,10 @@ struct MarkerCells {
   int across = 0;
   std::vector<unsigned char> cells;  // 1 = black, row by row from the top
 
-  bool black(int column, int row) const { return cells[static_cast<std::size_t>(row * across + column)] != 0; }
+  bool black(int column, int row) const {
+    return cells[static_cast<std::size_t>(row) * static_cast<std::size_t>(across) + static_cast<std::size_t>(column)] !=
+           0;
+  }
 };
 
 // The smallest of the 5x5 dictionaries that has enough markers for a charuco board.

@@ -134,7 +134,8 @@ void draw_aprilgrid(const Board& b, Page& page) {
   }
   for (int id = 0; id < b.columns * b.rows; ++id) {
     const double x = gap + (id % b.columns) * step;
-    const double y = height - gap - b.size_m - (id / b.columns) * step;
+    const int row = id / b.columns;
+    const double y = height - gap - b.size_m - row * step;
     page.cells(x, y, b.size_m, april_tag(id));
   }
 }

@@ -73,7 +73,8 @@ std::string field_picture(const CalibrationResult& r, Side side) {
   const ResidualField field = residual_field(r.board, r.solution, side);
   for (int row = 0; row < kFieldDown; ++row) {
     for (int column = 0; column < kFieldAcross; ++column) {
-      const FieldCell& cell = field.cells[static_cast<std::size_t>(row * kFieldAcross + column)];
+      const FieldCell& cell =
+          field.cells[static_cast<std::size_t>(row) * kFieldAcross + static_cast<std::size_t>(column)];
       const Eigen::Vector2d middle((column + 0.5) * rig.width / kFieldAcross, (row + 0.5) * rig.height / kFieldDown);
       if (cell.corners == 0) {
         out += fmt::format(R"(<rect x="{:.1f}" y="{:.1f}" width="{:.1f}" height="{:.1f}" class="hole"/>)",

@@ -42,6 +42,7 @@ std::vector<std::string> task_lines(const Plan& plan, const std::string& plan_fi
 
 Result<ProgramEnd> run_program(const std::vector<std::string>& words) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);
   gchar* out = nullptr;

@@ -119,7 +119,7 @@ Result<void> run_locally(const Plan& plan, const std::string& plan_file, const s
   const StopOnSignal signals;
   ProgressLine progress(plan, units, store);
   Pool pool(task_lines(plan, plan_file, units, each), processes, store, progress);
-  const auto done = pool.run();
+  auto done = pool.run();
   progress.finish();
   return done;
 }

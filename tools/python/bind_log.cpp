@@ -43,9 +43,9 @@ class Log {
     if (index < 0 || index >= count) throw py::index_error("the log has " + std::to_string(count) + " events");
     const auto& [event, channel] = events_[static_cast<std::size_t>(index)];
     Event out{event.utime, text_for_python(channels_[channel]), {}};
-    const auto read = [&] {
+    const auto read = [this, &out, &of = event] {
       const py::gil_scoped_release release;
-      return reader_.read(event, out.data);
+      return reader_.read(of, out.data);
     }();
     check(read);
     return out;

@@ -103,7 +103,7 @@ std::int64_t simulate(const py::object& out, const py::kwargs& keys) {
   StereoPair pair;
   for (;;) {
     const bool more = value_of(without_gil(alone, [&]() -> Result<bool> {
-      const auto next = simulator->next(pair);
+      auto next = simulator->next(pair);
       if (!next || !*next) return next;
       if (auto ok = recording.add(pair, simulator->truth_disparity()); !ok) return ok.error();
       return true;

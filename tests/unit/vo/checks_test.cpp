@@ -20,7 +20,8 @@ struct Seen {
   explicit Seen(int count = 40) : references(1), observations(static_cast<std::size_t>(count)) {
     for (std::size_t i = 0; i < observations.size(); ++i) {
       const double x = 40.0 + 30.0 * static_cast<double>(i % 8);
-      const double y = 40.0 + 30.0 * static_cast<double>(i / 8);
+      const std::size_t row = i / 8;
+      const double y = 40.0 + 30.0 * static_cast<double>(row);
       observations[i].uvd_ref = observations[i].uvd_cur = {x, y, 10.0};
       observations[i].change = observations[i].difference = 0.05F;
     }
