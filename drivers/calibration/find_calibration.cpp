@@ -6,6 +6,8 @@
 #include <iterator>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "drivers/calibration/format.h"
 
 namespace cliquevo::drivers {
@@ -57,14 +59,29 @@ constexpr std::array<const char*, 39> kUsualNames{"calib_cam_to_cam.txt",
                                                   "cam1.yaml",
                                                   "cam1/sensor.yaml"};
 
+std::string small_letters(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+// "stereoParams.mat": beside a recording it is looked at even if it is large, or cannot be read.
+bool is_named_as_calibration(const fs::path& path) {
+  const std::string name = small_letters(path.stem().string());
+  const auto words = {"calib", "stereo", "param", "camera", "intrinsic", "extrinsic"};
+  return std::any_of(words.begin(), words.end(), [&](const char* w) { return name.find(w) != std::string::npos; });
+}
+
 bool is_calibration(const fs::path& path) {
   const std::string extension = path.extension().string();
-  const auto known = {".yaml", ".yml", ".json", ".xml", ".conf", ".ini", ".txt"};
+  const auto known = {".yaml", ".yml", ".json", ".xml", ".conf", ".ini", ".txt", ".npz"};
   if (std::find(known.begin(), known.end(), extension) == known.end()) return false;
-  Result<std::string> text = read_text_file(path.string(), "calibration", kLargestCandidate);
+  std::error_code ec;
+  const bool archive = extension == ".npz" && is_named_as_calibration(path);
+  if (!fs::is_regular_file(path, ec) || (!archive && fs::file_size(path, ec) > kLargestCandidate)) return false;
+  Result<std::string> text = read_calibration_text(path.string());
   if (!text) return false;
   const CalibrationText file(path.string(), std::move(*text));
-  if (file.broken || file.lines.empty()) return false;
+  if (file.broken || (file.lines.empty() && !file.document)) return false;
   const auto formats = calibration_formats();
   return std::any_of(formats.begin(), formats.end(), [&](const CalibrationFormat& f) { return f.recognise(file); });
 }
@@ -107,6 +124,39 @@ std::string find_in(const std::string& folder) {
 }
 
 }  // namespace
+
+std::optional<Error> binary_calibration(const std::string& path) {
+  const std::string extension = small_letters(fs::path(path).extension().string());
+  constexpr char kSavez[] =
+      "write its matrices with np.savez('stereo_calibration.npz', K1=..., D1=..., K2=..., D2=..., R=..., T=...)";
+  const bool pickle = extension == ".pkl" || extension == ".pickle" || extension == ".p";
+  if (pickle) return Error{"calibration is a file of Python's own, no text", path, kSavez};
+  if (extension == ".npy") return Error{"calibration is a single array of NumPy's, no text", path, kSavez};
+  if (extension != ".mat") return std::nullopt;
+  return Error{"calibration is a file of MATLAB's own, no text", path,
+               "write its matrices as JSON (jsonencode), named K1, D1, K2, D2, R and T"};
+}
+
+Error missing_calibration(const std::string& recording) {
+  std::error_code ec;
+  const fs::path folder = fs::is_directory(recording, ec) ? fs::path(recording) : fs::path(recording).parent_path();
+  std::size_t seen = 0;
+  std::vector<std::string> binaries;
+  for (const char* inner : {".", "calibration", "calib"}) {
+    for (fs::directory_iterator entry(folder / inner, ec); !ec && entry != fs::directory_iterator();
+         entry.increment(ec)) {
+      if (++seen > kMostFiles) break;
+      const std::string path = (inner[0] == '.' ? folder : folder / inner) / entry->path().filename();
+      if (is_named_as_calibration(path) && binary_calibration(path)) binaries.push_back(path);
+    }
+  }
+  if (!binaries.empty()) {
+    const Error first = *binary_calibration(*std::min_element(binaries.begin(), binaries.end()));
+    return {"recording has no calibration that can be read", first.where,
+            fmt::format("it is no text: {}", first.remedy)};
+  }
+  return {"recording has no calibration", recording, "name one with --calibration FILE"};
+}
 
 std::string find_calibration(const std::string& folder) {
   std::string found = find_in(folder);

@@ -360,14 +360,6 @@ TEST(oddities, cameras_in_lists_and_groups) {
         pose);
 }
 
-TEST(oddities, files_of_numpy_and_matlab_are_named_as_such) {
-  for (const char* name : {"stereo.npz", "K1.npy", "stereoParams.mat", "calib.pkl"}) {
-    const auto c = read("PK", {}, name);
-    ASSERT_FALSE(c.ok());
-    test::expect_clear(c.error(), {"no text", "K1, D1, K2, D2, R and T"});
-  }
-}
-
 TEST(oddities, focal_lengths_and_principal_points_in_pairs) {
   const test::Rig rig = test::make_rig();
   const auto camera = [](const char* name, const Eigen::Matrix3d& K, const std::vector<double>& D) {
