@@ -139,6 +139,18 @@ Result<Document> read_other(const OtherFile& other, const std::vector<std::strin
   return std::move(*parsed.document);
 }
 
+bool names_printed_matrices(const CalibrationText& file) {
+  if (file.document) return false;
+  CalibrationText plain(file.path, "");
+  for (const auto parse : {Document::parse_ini, Document::parse_printed}) {
+    auto lines = parse(file.text, file.path);
+    if (!lines) continue;
+    plain.document = std::move(*lines);
+    if (is_keyed(plain)) return true;
+  }
+  return false;
+}
+
 Result<StereoCalibration> parse_calibration(const std::string& text, const CalibrationRequest& request,
                                             const OtherFile& other) {
   const CalibrationText file(request.path, text);

@@ -8,7 +8,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/calibration/format.h"
+#include "drivers/calibration/formats.h"
 
 namespace cliquevo::drivers {
 
@@ -71,19 +71,31 @@ bool is_named_as_calibration(const fs::path& path) {
   return std::any_of(words.begin(), words.end(), [&](const char* w) { return name.find(w) != std::string::npos; });
 }
 
-bool is_calibration(const fs::path& path) {
+// How much a file looks like the calibration; the best of a folder count.
+enum class Likeness { none, one_camera, printed, format };
+
+Likeness likeness_of(const fs::path& path) {
   const std::string extension = path.extension().string();
-  const auto known = {".yaml", ".yml", ".json", ".xml", ".conf", ".ini", ".txt", ".npz"};
-  if (std::find(known.begin(), known.end(), extension) == known.end()) return false;
+  const auto known = {".yaml", ".yml", ".json", ".xml", ".conf", ".ini", ".txt", ".npz", ".m", ".toml"};
+  if (std::find(known.begin(), known.end(), extension) == known.end()) return Likeness::none;
   std::error_code ec;
   const bool archive = extension == ".npz" && is_named_as_calibration(path);
-  if (!fs::is_regular_file(path, ec) || (!archive && fs::file_size(path, ec) > kLargestCandidate)) return false;
+  if (!fs::is_regular_file(path, ec)) return Likeness::none;
+  if (!archive && fs::file_size(path, ec) > kLargestCandidate) return Likeness::none;
   Result<std::string> text = read_calibration_text(path.string());
-  if (!text) return false;
+  if (!text) return Likeness::none;
   const CalibrationText file(path.string(), std::move(*text));
-  if (file.broken || (file.lines.empty() && !file.document)) return false;
+  if (file.broken || (file.lines.empty() && !file.document)) return Likeness::none;
   const auto formats = calibration_formats();
-  return std::any_of(formats.begin(), formats.end(), [&](const CalibrationFormat& f) { return f.recognise(file); });
+  if (std::any_of(formats.begin(), formats.end(), [&](const CalibrationFormat& f) { return f.recognise(file); })) {
+    return Likeness::format;
+  }
+  if (is_named_as_calibration(path) && names_printed_matrices(file)) return Likeness::printed;
+  if (!file.document || !is_one_camera(file)) return Likeness::none;
+  const std::vector<std::string> others = other_camera_paths(path.string());
+  const bool pair = std::any_of(others.begin(), others.end(),
+                                [&](const std::string& o) { return o != path.string() && fs::exists(o, ec); });
+  return pair ? Likeness::one_camera : Likeness::none;
 }
 
 std::string find_in(const std::string& folder) {
@@ -94,13 +106,18 @@ std::string find_in(const std::string& folder) {
   }
   std::vector<std::string> chains;  // Kalibr puts the name of its recording into that of the file
   std::vector<std::string> files;
+  Likeness best = Likeness::none;
   std::size_t seen = 0;
   for (fs::directory_iterator entry(folder, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
     const std::string name = entry->path().filename().string();
     if (name.find("camchain") != std::string::npos && entry->path().extension() == ".yaml") {
       chains.push_back(entry->path().string());
     }
-    if (++seen <= kMostFiles && is_calibration(entry->path())) files.push_back(entry->path().string());
+    if (++seen > kMostFiles) continue;
+    const Likeness likeness = likeness_of(entry->path());
+    if (likeness > best) files.clear();
+    best = std::max(best, likeness);
+    if (likeness == best && best != Likeness::none) files.push_back(entry->path().string());
   }
   if (!chains.empty()) return *std::min_element(chains.begin(), chains.end());
   // One file per camera is one calibration; the left camera's stands for it.

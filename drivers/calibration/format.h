@@ -43,6 +43,8 @@ struct CalibrationFormat {
 // In the order in which a file is tried.
 std::span<const CalibrationFormat> calibration_formats();
 
+// Whether a text without syntax names matrices as programs print them.
+bool names_printed_matrices(const CalibrationText& file);
 // The text of a file that may be a calibration; of NumPy's archives (.npz) the bytes.
 Result<std::string> read_calibration_text(const std::string& path);
 // What is said of a file that Python or MATLAB alone read, by its name; nothing = it is none.

@@ -117,8 +117,8 @@ Quantity scalar(std::vector<std::string> rest) {
   if (among(w, {"cx", "cu", "ppx", "u", "u0"})) return Quantity::cx;
   if (among(w, {"cy", "cv", "ppy", "v", "v0"})) return Quantity::cy;
   if (among(w, {"f", "focal", "focallength"}) || (w == "length" && rest.front() == "focal")) return Quantity::focal;
-  if (among(w, {"width", "cols", "w"})) return Quantity::width;
-  if (among(w, {"height", "rows", "h"})) return Quantity::height;
+  if (among(w, {"width", "nwidth", "cols", "w"})) return Quantity::width;
+  if (among(w, {"height", "nheight", "rows", "h"})) return Quantity::height;
   if (w == "bf" || w == "fb" || (w == "baseline" && rest.front() == "focal")) return Quantity::bf;
   const bool parted = w == "line" && rest.size() > 1 && rest[rest.size() - 2] == "base";
   if (w == "baseline" || w == "b" || parted) return Quantity::baseline;

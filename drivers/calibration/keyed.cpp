@@ -214,8 +214,9 @@ std::optional<Keys> pair_of_files(const CalibrationText& file, const OtherFile& 
   if (has_pose(keys)) return keys;
   std::vector<std::string> paths;
   for (const std::string extension : {".yml", ".yaml", ".xml", ".json"}) {
-    for (const char* name : {"stereo", "extrinsics", "extrinsic", "stereo_extrinsics", "stereo_calib", "stereo_params",
-                             "stereo_calibration", "calib_stereo", "cam_stereo", "R_T"}) {
+    for (const char* name :
+         {"stereo", "extrinsics", "extrinsic", "stereo_extrinsics", "stereo_calib", "stereo_params",
+          "stereo_calibration", "calib_stereo", "cam_stereo", "R_T", "calib_chain", "camchain", "chain"}) {
       paths.push_back(beside(file.path, name + extension));
     }
   }
