@@ -92,10 +92,14 @@ Likeness likeness_of(const fs::path& path) {
   }
   if (is_named_as_calibration(path) && names_printed_matrices(file)) return Likeness::printed;
   if (!file.document || !is_one_camera(file)) return Likeness::none;
+  // One camera's file counts where all the rest is beside it: else a better one may lie above.
   const std::vector<std::string> others = other_camera_paths(path.string());
-  const bool pair = std::any_of(others.begin(), others.end(),
-                                [&](const std::string& o) { return o != path.string() && fs::exists(o, ec); });
-  return pair ? Likeness::one_camera : Likeness::none;
+  const bool pair = std::any_of(others.begin(), others.end(), [&](const std::string& other) {
+    return other != path.string() && fs::exists(other, ec);
+  });
+  CalibrationRequest request;
+  request.path = path.string();
+  return pair && read_calibration(request) ? Likeness::one_camera : Likeness::none;
 }
 
 std::string find_in(const std::string& folder) {

@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "drivers/calibration/baseline.h"
 #include "drivers/calibration/formats.h"
 #include "drivers/calibration/keyed_parts.h"
 #include "drivers/calibration/keyed_pose.h"
@@ -113,10 +114,73 @@ Result<KeyedPose> parallel_pose(const Keys& keys, const CameraParts& left, const
   if (std::any_of(left.D.begin(), left.D.end(), [](double k) { return k != 0.0; })) {
     notes.push_back("no rotation between the cameras is given: they are taken for parallel");
   }
-  return KeyedPose{{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, true};
+  return KeyedPose{{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, true, {}};
+}
+
+// What the file has besides two cameras and their pose: told, or refused where it would be ignored.
+Result<void> look_around(const Keys& keys, const std::string& path, std::vector<std::string>& notes) {
+  if (keys.poses_are_of_others()) {
+    return Error{fmt::format("calibration is of {} cameras, and its poses are of pairs", keys.cameras()), path,
+                 "name a file with the two cameras of the images and their R and T alone"};
+  }
+  if (keys.cameras() > 2) {
+    notes.push_back(fmt::format("calibration is of {} cameras: the first two are taken", keys.cameras()));
+  }
+  for (const int which : {0, 1}) {
+    const auto offset = keys.find(Quantity::row_offset, KeySide::none, which);
+    if (!offset) return offset.error();
+    if (*offset == nullptr || (*offset)->numbers.front() == 0.0) continue;
+    return Error{fmt::format("calibration shifts the images against each other by {:g} px, which is not undone",
+                             (*offset)->numbers.front()),
+                 (*offset)->where,
+                 "give each camera its own principal point in its place, or 0 if the images are shifted already"};
+  }
+  return {};
+}
+
+// How camera matrices had to be read.
+void note_matrices(const CameraParts& left, const CameraParts& right, std::vector<std::string>& notes) {
+  if (left.transposed && right.transposed) {
+    notes.push_back("camera matrices stand as their transposes, as MATLAB's: R is read likewise");
+  }
+  if (left.open || right.open) notes.push_back("camera matrices end in 0 0 0: taken for 0 0 1");
+}
+
+// Cameras with a pose, or with their distance alone.
+Result<StereoCalibration> rig_by_pose(const Keys& keys, CameraParts left, CameraParts right,
+                                      std::optional<KeyedPose> pose, const std::string& path,
+                                      const CalibrationRequest& request) {
+  if (left.camera.fx_px <= 0.0 || right.camera.fx_px <= 0.0) {
+    return calibration_error("calibration lacks the left or the right camera's matrix", path);
+  }
+  std::vector<std::string> notes;
+  double unit_m = 1.0;
+  const bool distance_alone = !pose;
+  if (pose) {
+    unit_m = length_unit_of(keys, pose->T_right_left.t.norm(), notes);
+  } else {
+    auto parallel = parallel_pose(keys, left, path, notes);
+    if (!parallel) return parallel.error();
+    pose = *parallel;
+  }
+  note_matrices(left, right, notes);
+  if (!pose->note.empty()) notes.push_back(pose->note);
+  // Rotations of cameras with a translation each are poses, no rectification.
+  if (keys.has(Quantity::translation, KeySide::right)) left.R = right.R = std::nullopt;
+  order_cameras(left, right, *pose, notes);
+  auto rig = rig_of_pose(left, right, pose->T_right_left, request, unit_m);
+  if (!rig) return rig;
+  const bool unit_known = distance_alone || names_unit(keys) || request.options.baseline_unit_m > 0.0;
+  if (!unit_known) {
+    if (auto wide = note_wide_baseline(rig->T_right_left.t.norm())) notes.push_back(std::move(*wide));
+  }
+  rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
+  return rig;
 }
 
 Result<StereoCalibration> rig_of(const Keys& keys, const std::string& path, const CalibrationRequest& request) {
+  std::vector<std::string> notes;
+  if (auto ok = look_around(keys, path, notes); !ok) return ok.error();
   Result<CameraParts> left = read_parts(keys, KeySide::left, path);
   if (!left) return left.error();
   Result<CameraParts> right = read_parts(keys, KeySide::right, path);
@@ -125,28 +189,11 @@ Result<StereoCalibration> rig_of(const Keys& keys, const std::string& path, cons
   if (!plain) return plain.error();
   if (*plain) return std::move(**plain);
   if (auto ok = add_projections(keys, *left, *right); !ok) return ok.error();
-  auto pose = pose_of(keys, *left, *right);
+  const auto pose = pose_of(keys, *left, *right);
   if (!pose) return pose.error();
-  if (!*pose && left->P.size() == 12 && right->P.size() == 12) return rig_by_projections(keys, *left, *right, request);
-  if (left->camera.fx_px <= 0.0 || right->camera.fx_px <= 0.0) {
-    return calibration_error("calibration lacks the left or the right camera's matrix", path);
-  }
-  std::vector<std::string> notes;
-  double unit_m = 1.0;
-  if (*pose) {
-    unit_m = length_unit_of(keys, (*pose)->T_right_left.t.norm(), notes);
-  } else {
-    auto parallel = parallel_pose(keys, *left, path, notes);
-    if (!parallel) return parallel.error();
-    *pose = *parallel;
-  }
-  if (left->transposed && right->transposed) {
-    notes.push_back("camera matrices stand as their transposes, as MATLAB's: R is read likewise");
-  }
-  // Rotations of cameras with a translation each are poses, no rectification.
-  if (keys.has(Quantity::translation, KeySide::right)) left->R = right->R = std::nullopt;
-  order_cameras(*left, *right, **pose, notes);
-  auto rig = rig_of_pose(*left, *right, (*pose)->T_right_left, request, unit_m);
+  const bool by_projections = !*pose && left->P.size() == 12 && right->P.size() == 12;
+  auto rig = by_projections ? rig_by_projections(keys, *left, *right, request)
+                            : rig_by_pose(keys, *left, *right, *pose, path, request);
   if (rig) rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
   return rig;
 }

@@ -235,6 +235,22 @@ void Keys::leaf(const DocumentNode& node, const std::string& file, const std::st
 
 namespace {
 
+bool is_of_numbered(const KeyMeaning& m) {
+  return m.quantity == Quantity::camera_matrix || m.quantity == Quantity::fx || m.quantity == Quantity::projection ||
+         m.quantity == Quantity::focal || m.quantity == Quantity::focals;
+}
+
+// "stereo: [{R, T}, {R, T}]" of three cameras: pose 0 is not camera 0's.
+bool numbers_pairs(const std::vector<KeyEntry>& entries, const std::set<int>& cameras) {
+  std::set<int> poses;
+  for (const KeyEntry& entry : entries) {
+    const KeyMeaning& m = entry.meaning;
+    const bool pose = m.quantity == Quantity::translation || m.quantity == Quantity::pose;
+    if (pose && m.side == KeySide::none && m.number) poses.insert(*m.number);
+  }
+  return cameras.size() > 2 && poses.count(*cameras.begin()) > 0 && poses.count(*cameras.rbegin()) == 0;
+}
+
 // "cam0: Kl, Kr": a number around both cameras is the rig's.
 void forget_numbers_of_rigs(std::vector<KeyEntry>& entries) {
   const auto outermost = [](const KeyEntry& entry) { return entry.key.substr(0, entry.key.find('.')); };
@@ -260,13 +276,12 @@ void Keys::settle_numbers() {
   bool plain = false;
   for (const KeyEntry& entry : entries_) {
     const KeyMeaning& m = entry.meaning;
-    if (m.quantity != Quantity::camera_matrix && m.quantity != Quantity::fx && m.quantity != Quantity::projection &&
-        m.quantity != Quantity::focal && m.quantity != Quantity::focals) {
-      continue;
-    }
+    if (!is_of_numbered(m)) continue;
     if (m.side == KeySide::none && m.number) numbers.insert(*m.number);
     plain = plain || (m.side == KeySide::none && !m.number);
   }
+  cameras_ = std::max(cameras_, static_cast<int>(numbers.size()));
+  poses_are_of_others_ = poses_are_of_others_ || numbers_pairs(entries_, numbers);
   if (numbers.empty()) {
     for (const KeyEntry& entry : entries_) {  // an extrinsics file alone: R1, R2
       if (entry.meaning.side == KeySide::none && entry.meaning.number) numbers.insert(*entry.meaning.number);

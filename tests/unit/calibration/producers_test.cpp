@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // One rig as the files of many programs have it, each in its own kind.
+#include <algorithm>
 #include <filesystem>
 
 #include <Eigen/Geometry>
@@ -294,6 +295,89 @@ TEST(Keyed, PoseAsTheOnlyOneOfAList) {
   expect_rig(read(text(1.0, ""), "rig.json"), rig);
   const double baseline_mm = 1000.0 * rig.T_right_left.t.norm();
   expect_rig(read(text(0.001, fmt::format(",\"baseline_mm\":{:.1f}", baseline_mm)), "rig.json"), rig);
+}
+
+bool notes_hold(const Result<StereoCalibration>& c, const std::string& fragment) {
+  return c.ok() && std::any_of(c->notes.begin(), c->notes.end(),
+                               [&](const std::string& note) { return note.find(fragment) != std::string::npos; });
+}
+
+// MC-Calib's file; `ending`: the last number of the camera matrices.
+std::string mc_calib(const test::Rig& rig, bool right_first, double ending) {
+  std::string text = "%YAML:1.0\n---\nnb_camera: 2\n";
+  for (const int i : {0, 1}) {
+    const bool left = (i == 0) != right_first;
+    Eigen::Matrix3d K = left ? rig.K_left : rig.K_right;
+    K(2, 2) = ending;
+    const RigidTransform T_first_second = right_first ? rig.T_right_left : rig.T_right_left.inverse();
+    text += fmt::format(
+        "camera_{}:\n   camera_matrix: [{}]\n   distortion_vector: [{}]\n   distortion_type: 0\n"
+        "   camera_group: 0\n   img_width: 640\n   img_height: 480\n   camera_pose_matrix: [{}]\n",
+        i, flat(K), list_of(left ? rig.D_left : rig.D_right), flat(i == 0 ? RigidTransform{} : T_first_second));
+  }
+  return text;
+}
+
+TEST(McCalib, PoseIsTheCamerasInTheFirstOne) {
+  const test::Rig rig = test::make_rig();
+  const auto usual = read(mc_calib(rig, false, 1.0));
+  expect_rig(usual, rig);
+  EXPECT_TRUE(usual->notes.empty());
+  const auto exchanged = read(mc_calib(rig, true, 1.0));
+  expect_rig(exchanged, rig);
+  EXPECT_TRUE(notes_hold(exchanged, "taken for the right camera"));
+  EXPECT_TRUE(notes_hold(exchanged, "camera_pose_matrix is read as leading from the camera"));
+}
+
+TEST(McCalib, CameraMatrixThatEndsInZerosIsTakenAndTold) {
+  const test::Rig rig = test::make_rig();
+  const auto c = read(mc_calib(rig, false, 0.0));
+  expect_rig(c, rig);
+  EXPECT_TRUE(notes_hold(c, "end in 0 0 0"));
+}
+
+std::string two_cameras(const test::Rig& rig) {
+  return fmt::format("image_width: 640\nimage_height: 480\nK1: [{}]\nD1: [{}]\nK2: [{}]\nD2: [{}]\n", flat(rig.K_left),
+                     list_of(rig.D_left), flat(rig.K_right), list_of(rig.D_right));
+}
+
+TEST(Keyed, TransformAgainstItsNameIsTold) {
+  const test::Rig rig = test::make_rig();
+  const auto named = [&](const char* key, const RigidTransform& T) {
+    return read(two_cameras(rig) + fmt::format("{}: [{}]\n", key, flat(T)));
+  };
+  for (const char* key : {"Stereo.T_c1_c2", "T_c2_c1"}) {
+    const bool right_to_left = key[0] == 'S';
+    const auto as_named = named(key, right_to_left ? rig.T_right_left.inverse() : rig.T_right_left);
+    expect_rig(as_named, rig);
+    EXPECT_TRUE(as_named->notes.empty());
+    const auto against = named(key, right_to_left ? rig.T_right_left : rig.T_right_left.inverse());
+    expect_rig(against, rig);
+    EXPECT_TRUE(notes_hold(against, fmt::format("{} leads the other way", key)));
+  }
+}
+
+TEST(Keyed, PosesOfPairsAmongThreeCamerasAreRefused) {
+  const test::Rig rig = test::make_rig();
+  const auto camera = [&](const char* name) {
+    return fmt::format("{{\"id\":\"{}\",\"K\":[{}],\"D\":[{}]}}", name, flat(rig.K_left), list_of(rig.D_left));
+  };
+  const std::string pose = fmt::format(R"({{"R":[{}],"T":[{}]}})", flat(rig.T_right_left.R), flat(rig.T_right_left.t));
+  const auto c = read(fmt::format(R"({{"cameras":[{},{},{}],"stereo":[{},{}]}})", camera("left"), camera("center"),
+                                  camera("right"), pose, pose),
+                      "rig.json");
+  ASSERT_FALSE(c.ok());
+  test::expect_clear(c.error(), {"of 3 cameras", "poses are of pairs"});
+}
+
+TEST(Keyed, OffsetsBetweenTheImagesAreNotIgnored) {
+  const std::string text = "focal_px: 400\ncx: 320\ncy: 240\nbaseline_m: 0.3\n";
+  for (const char* key : {"vertical_offset_px", "disparity_offset_px"}) {
+    EXPECT_TRUE(read(text + key + ": 0.0\n").ok());
+    const auto c = read(text + key + ": -33.0\n");
+    ASSERT_FALSE(c.ok());
+    test::expect_clear(c.error(), {"-33 px", key, "principal point"});
+  }
 }
 
 TEST(Keyed, TomlIsFoundInAFolder) {
