@@ -11,7 +11,7 @@ namespace cliquevo::drivers {
 
 namespace {
 
-// Of the cameras and their poses, T of each.
+// The rig but for its pose, and T of each camera.
 struct AirCameras {
   StereoCalibration rig;
   std::array<RigidTransform, 2> T;

@@ -25,7 +25,7 @@ constexpr std::string_view kArrayMark("\x93NUMPY", 6);
 
 // What an array says of itself.
 struct ArrayHead {
-  char type = ' ';  // f, i, u, b; U: text; O: what Python alone reads
+  char type = '?';  // f, i, u, b; U: text; O: what Python alone reads; ?: many in one
   std::size_t bytes = 0;
   bool big_endian = false;
   bool by_columns = false;
@@ -144,7 +144,8 @@ Reading read_array(const ZipMember& member, DocumentNode& node) {
     return Reading::done;
   }
   if (!holds_numbers(head)) {  // a matrix that is none must not be passed over
-    node.scalar = "an array of other things than little-endian numbers";
+    const std::string size = head.bytes > 0 ? std::to_string(head.bytes) : "";
+    node.scalar = fmt::format("dtype={}{}{}", head.big_endian ? ">" : "", head.type, size);
     return Reading::done;
   }
   std::size_t count = 1;

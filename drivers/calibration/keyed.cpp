@@ -217,7 +217,7 @@ void add_under(const char* side, const Document& camera, Keys& keys) {
 bool add_cameras_beside(const std::string& path, const OtherFile& other, Keys& keys) {
   for (const char* side : {"left", "right"}) {
     std::vector<std::string> paths;
-    for (const std::string extension : {".yml", ".yaml", ".xml", ".json"}) {
+    for (const std::string extension : {".yml", ".yaml", ".xml", ".json", ".npz"}) {
       for (const char* pattern : {"{}", "camera_{}", "{}_camera", "cam_{}", "{}_cam", "intrinsics_{}", "{}_intrinsics",
                                   "calib_{}", "{}_calib", "calibration_{}", "{}_calibration"}) {
         paths.push_back(beside(path, fmt::format(fmt::runtime(pattern), side) + extension));
@@ -260,7 +260,7 @@ std::optional<Keys> pair_of_files(const CalibrationText& file, const OtherFile& 
   add_under("right", swapped ? *file.document : *second, keys);
   if (has_pose(keys)) return keys;
   std::vector<std::string> paths;
-  for (const std::string extension : {".yml", ".yaml", ".xml", ".json"}) {
+  for (const std::string extension : {".yml", ".yaml", ".xml", ".json", ".npz"}) {
     for (const char* name :
          {"stereo", "extrinsics", "extrinsic", "stereo_extrinsics", "stereo_calib", "stereo_params",
           "stereo_calibration", "calib_stereo", "cam_stereo", "R_T", "calib_chain", "camchain", "chain"}) {
