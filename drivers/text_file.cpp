@@ -68,7 +68,7 @@ std::string utf8_of(std::string text) {
   return out;
 }
 
-Result<std::string> read_text_file(const std::string& path, const std::string& kind, std::size_t max_bytes) {
+Result<std::string> read_whole_file(const std::string& path, const std::string& kind, std::size_t max_bytes) {
   namespace fs = std::filesystem;
   std::error_code ec;
   const fs::file_status status = fs::status(path, ec);
@@ -79,14 +79,20 @@ Result<std::string> read_text_file(const std::string& path, const std::string& k
   if (ec) return Error{"cannot read " + kind, path, ec.message()};
   if (size == 0) return Error{kind + " is empty", path, "copy it again"};
   if (size > max_bytes) {
-    return Error{kind + " is too big", path, "name a text file of at most " + std::to_string(max_bytes) + " bytes"};
+    return Error{kind + " is too big", path, "name a file of at most " + std::to_string(max_bytes) + " bytes"};
   }
   std::ifstream in(path, std::ios::binary);
   std::string text(static_cast<std::size_t>(size), '\0');
   if (!in.read(text.data(), static_cast<std::streamsize>(text.size()))) {
     return Error{"cannot read " + kind, path, "check its permissions and the disk"};
   }
-  text = utf8_of(std::move(text));
+  return text;
+}
+
+Result<std::string> read_text_file(const std::string& path, const std::string& kind, std::size_t max_bytes) {
+  Result<std::string> whole = read_whole_file(path, kind, max_bytes);
+  if (!whole) return whole;
+  std::string text = utf8_of(std::move(*whole));
   if (text.find('\0') != std::string::npos) {
     return Error{kind + " holds NUL bytes", path,
                  "it is torn (copy it again) or no text (NumPy, MATLAB, pickle: save it as YAML or JSON)"};

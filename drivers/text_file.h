@@ -16,6 +16,8 @@ namespace cliquevo::drivers {
 // The whole of a regular file, in UTF-8 also where it is UTF-16. Errors: missing, no regular file, unreadable, empty,
 // above max_bytes, NUL bytes. `kind` names it in the message: "times file".
 Result<std::string> read_text_file(const std::string& path, const std::string& kind, std::size_t max_bytes);
+// As it is, whatever its bytes; errors as above.
+Result<std::string> read_whole_file(const std::string& path, const std::string& kind, std::size_t max_bytes);
 
 // Text in UTF-16, of either order, with its mark or without, as UTF-8; any other as it is.
 std::string utf8_of(std::string text);

@@ -20,6 +20,7 @@ constexpr double kMostPossible_m = 50.0;
 // Between the bounds, where images are seen: a wide rig that sees nothing near.
 constexpr double kWide_m = 0.8;
 constexpr double kFarAway_m = 15.0;
+constexpr double kUnusual_m = 0.95;  // squares of a board and other units begin here
 
 struct Unit {
   double metres;
@@ -60,6 +61,12 @@ Result<void> check_baseline(double baseline_m, bool named, const std::string& wh
         fmt::format("it would be {}; --baseline-unit 1 if it is in metres (in a configuration: baseline_unit)", remedy);
   }
   return Error{fmt::format("baseline of {:.4g} m is implausible", baseline_m), where, remedy};
+}
+
+std::optional<std::string> note_wide_baseline(double baseline_m) {
+  if (baseline_m < kUnusual_m) return std::nullopt;
+  return fmt::format("baseline is read as {:.4g} m, as nothing in the file names a unit; {}", baseline_m,
+                     readings(baseline_m));
 }
 
 std::optional<std::string> doubt_baseline(double baseline_m, double near_m) {

@@ -40,6 +40,9 @@ Result<StereoCalibration> parse_calibration(const std::string& text, const Calib
 // none; the folder itself = several, and reading it is an error that lists them.
 std::string find_calibration(const std::string& folder);
 
+// What is said where `recording`, a folder or a file in one, has none: names what lies there and cannot be read.
+Error missing_calibration(const std::string& recording);
+
 // Whether reading failed for want of the lens's name alone (CalibrationOptions::lens).
 bool asks_for_lens(const Error& error);
 

@@ -11,6 +11,7 @@
 
 #include "drivers/calibration/checks.h"
 #include "drivers/calibration/formats.h"
+#include "drivers/calibration/zip_archive.h"
 
 namespace cliquevo::drivers {
 
@@ -19,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostBytes = 1U << 20U;
+constexpr std::size_t kMostArchiveBytes = 256U << 20U;  // rectification maps lie in some
 
 std::string extension_of(const std::string& path) {
   std::string out = fs::path(path).extension().string();
@@ -82,7 +84,7 @@ Result<NamedText> read_first(const std::string& path, const std::vector<std::str
     if (candidate.empty() || candidate == path) continue;
     if (wanted.empty()) wanted = candidate;
     if (!fs::exists(candidate, ec)) continue;
-    Result<std::string> text = read_text_file(candidate, "calibration", kMostBytes);
+    Result<std::string> text = read_calibration_text(candidate);
     if (!text) return text.error();
     return NamedText{candidate, std::move(*text)};
   }
@@ -93,10 +95,14 @@ Result<NamedText> read_first(const std::string& path, const std::vector<std::str
 }  // namespace
 
 CalibrationText::CalibrationText(std::string file_path, std::string file_text)
-    : path(std::move(file_path)), text(std::move(file_text)), lines(split_lines(text)) {
+    : path(std::move(file_path)),
+      text(std::move(file_text)),
+      lines(is_zip(text) ? std::vector<TextLine>{} : split_lines(text)) {
   const std::string_view begin = trim(std::string_view(text).substr(0, 256));
   Result<Document> read = Error{};
-  if (begin.starts_with("<")) {
+  if (is_zip(text)) {
+    read = Document::parse_numpy(text, path);
+  } else if (begin.starts_with("<")) {
     read = Document::parse_xml(text, path);
   } else if (looks_like_yaml(path, *this)) {
     read = Document::parse_yaml(text, path);
@@ -116,6 +122,14 @@ std::string CalibrationText::name() const { return fs::path(path).filename().str
 
 bool CalibrationText::has_line(std::string_view key) const { return has_key_line(lines, key); }
 
+Result<std::string> read_calibration_text(const std::string& path) {
+  if (extension_of(path) == ".npz") {
+    Result<std::string> bytes = read_whole_file(path, "calibration", kMostArchiveBytes);
+    if (!bytes || is_zip(*bytes)) return bytes;
+  }
+  return read_text_file(path, "calibration", kMostBytes);
+}
+
 Result<Document> read_other(const OtherFile& other, const std::vector<std::string>& paths) {
   Result<NamedText> file = other(paths);
   if (!file) return file.error();
@@ -125,10 +139,22 @@ Result<Document> read_other(const OtherFile& other, const std::vector<std::strin
   return std::move(*parsed.document);
 }
 
+bool names_printed_matrices(const CalibrationText& file) {
+  if (file.document) return false;
+  CalibrationText plain(file.path, "");
+  for (const auto parse : {Document::parse_ini, Document::parse_printed}) {
+    auto lines = parse(file.text, file.path);
+    if (!lines) continue;
+    plain.document = std::move(*lines);
+    if (is_keyed(plain)) return true;
+  }
+  return false;
+}
+
 Result<StereoCalibration> parse_calibration(const std::string& text, const CalibrationRequest& request,
                                             const OtherFile& other) {
   const CalibrationText file(request.path, text);
-  if (file.lines.empty()) return Error{"calibration is empty", request.path, "copy it again"};
+  if (file.lines.empty() && !is_zip(text)) return Error{"calibration is empty", request.path, "copy it again"};
   if (is_ost(file)) return read_ost(file, request, other);  // what the calibrator printed, whatever its file's name
   if (file.broken && !is_printed(file)) return *file.broken;
   for (const CalibrationFormat& format : calibration_formats()) {
@@ -153,14 +179,6 @@ Result<StereoCalibration> parse_calibration(const std::string& text, const Calib
 }
 
 namespace {
-
-// Whose files are no text, by their names; null = unknown.
-const char* maker_of_binaries(const std::string& path) {
-  const std::string extension = extension_of(path);
-  if (extension == ".npz" || extension == ".npy") return "NumPy";
-  if (extension == ".mat") return "MATLAB";
-  return extension == ".pkl" || extension == ".pickle" || extension == ".p" ? "Python" : nullptr;
-}
 
 Result<StereoCalibration> read_from_memory(const CalibrationRequest& request) {
   const auto other = [&](const std::vector<std::string>&) -> Result<NamedText> {
@@ -188,11 +206,8 @@ Result<StereoCalibration> read_calibration(const CalibrationRequest& request) {
       return Error{"folder holds several calibrations", request.path, "name one with --calibration"};
     }
   }
-  if (const char* maker = maker_of_binaries(file.path)) {
-    return Error{fmt::format("calibration is a file of {}'s own, no text", maker), file.path,
-                 "write its matrices as YAML (OpenCV's FileStorage) or JSON, named K1, D1, K2, D2, R and T"};
-  }
-  const Result<std::string> text = read_text_file(file.path, "calibration", kMostBytes);
+  if (const auto binary = fs::exists(file.path, ec) ? binary_calibration(file.path) : std::nullopt) return *binary;
+  const Result<std::string> text = read_calibration_text(file.path);
   if (!text) return text.error();
   return parse_calibration(*text, file, [&](const std::vector<std::string>& paths) {
     auto found = read_first("", paths);

@@ -14,25 +14,12 @@ namespace {
 namespace fs = std::filesystem;
 
 // In the order in which a file of the other camera is looked for.
-constexpr std::array<std::pair<const char*, const char*>, 19> kSideWords{{{"left", "right"},
-                                                                          {"Left", "Right"},
-                                                                          {"LEFT", "RIGHT"},
-                                                                          {"cam0", "cam1"},
-                                                                          {"camera0", "camera1"},
-                                                                          {"camera_0", "camera_1"},
-                                                                          {"cam_0", "cam_1"},
-                                                                          {"infra1", "infra2"},
-                                                                          {"cam1", "cam2"},
-                                                                          {"camera1", "camera2"},
-                                                                          {"camera_1", "camera_2"},
-                                                                          {"cam_1", "cam_2"},
-                                                                          {"sensor0", "sensor1"},
-                                                                          {"/l.", "/r."},
-                                                                          {"/L.", "/R."},
-                                                                          {"_l.", "_r."},
-                                                                          {"_L.", "_R."},
-                                                                          {"camL", "camR"},
-                                                                          {"cam_L", "cam_R"}}};
+constexpr std::array<std::pair<const char*, const char*>, 21> kSideWords{
+    {{"left", "right"},        {"Left", "Right"},  {"LEFT", "RIGHT"},      {"cam0", "cam1"},   {"camera0", "camera1"},
+     {"camera_0", "camera_1"}, {"cam_0", "cam_1"}, {"infra1", "infra2"},   {"cam1", "cam2"},   {"camera1", "camera2"},
+     {"camera_1", "camera_2"}, {"cam_1", "cam_2"}, {"sensor0", "sensor1"}, {"gray0", "gray1"}, {"mono0", "mono1"},
+     {"/l.", "/r."},           {"/L.", "/R."},     {"_l.", "_r."},         {"_L.", "_R."},     {"camL", "camR"},
+     {"cam_L", "cam_R"}}};
 
 enum class Side { none, left, right };
 

@@ -21,6 +21,7 @@ struct CameraParts {
   std::optional<Eigen::Matrix3d> R;  // raw -> rectified; zeros = not given
   std::vector<double> P;             // 12 numbers of the rectified camera, or none; zeros = not given
   bool transposed = false;           // its camera matrix stands in the file as its transpose
+  bool open = false;                 // its camera matrix ends in 0 0 0
 };
 
 // A camera matrix of 9 numbers; zeros leave the camera without one.

@@ -43,6 +43,8 @@ class Document {
   static Result<Document> parse_ini(std::string_view text, const std::string& path);
   // What programs print: "name = [1 2 3]", or numbers in the lines below "name:"; names without numbers are sections.
   static Result<Document> parse_printed(std::string_view text, const std::string& path);
+  // NumPy's archive (.npz), as bytes: its arrays by their names. Large ones are passed over.
+  static Result<Document> parse_numpy(std::string_view bytes, const std::string& path);
   static Document of(DocumentNode root, std::string path);
 
   const std::string& path() const { return path_; }

@@ -46,7 +46,10 @@ struct PrintedLine {
 // "Focal length: fc = [ 1 2 ] +- [ 3 4 ]" is fc; "R:" and "translation =" have their numbers below.
 PrintedLine parse_line(std::string_view text) {
   std::string line(text);
-  if (const std::size_t deviation = line.find("+-"); deviation != std::string::npos) line.resize(deviation);
+  // Behind a value: its deviation, as "+-" or as the sign in UTF-8 or Latin-1; a remark of MATLAB's.
+  for (const char* end : {"+-", "\xC2\xB1", " \xB1", " %", ";%", "\t%"}) {
+    if (const std::size_t at = line.find(end); at != std::string::npos) line.resize(at);
+  }
   std::string plain = without_brackets(line);
   if (is_numbers(plain)) return {"", plain, false};
   const std::size_t equals = line.find('=');

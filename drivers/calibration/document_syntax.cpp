@@ -176,6 +176,14 @@ class XmlParser {
   int budget_ = kMostNodes;
 };
 
+// A line of an INI without what stands behind "//", as MRPT writes it; addresses keep theirs.
+std::string_view without_remark(std::string_view line) {
+  for (std::size_t at = line.find("//"); at != std::string_view::npos; at = line.find("//", at + 1)) {
+    if (at == 0 || line[at - 1] == ' ' || line[at - 1] == '\t' || line[at - 1] == ']') return line.substr(0, at);
+  }
+  return line;
+}
+
 }  // namespace
 
 Result<Document> Document::parse_yaml(std::string_view text, const std::string& path) {
@@ -223,16 +231,17 @@ Result<Document> Document::parse_ini(std::string_view text, const std::string& p
       section = root.entries.size();
       continue;
     }
-    const std::size_t equals = line.text.find_first_of("=:");
+    const std::string_view content = without_remark(line.text);
+    const std::size_t equals = content.find_first_of("=:");
     if (equals == std::string_view::npos) continue;
     DocumentNode value;
     value.kind = Kind::scalar;
     value.line = line.number;
-    value.scalar = std::string(trim(line.text.substr(equals + 1)));
+    value.scalar = std::string(trim(content.substr(equals + 1)));
     std::replace_if(
         value.scalar.begin(), value.scalar.end(), [](char c) { return c == '[' || c == ']' || c == ';'; }, ' ');
     DocumentNode& map = section == 0 ? root : root.entries[section - 1].node;
-    map.entries.push_back({std::string(trim(line.text.substr(0, equals))), std::move(value)});
+    map.entries.push_back({std::string(trim(content.substr(0, equals))), std::move(value)});
   }
   return of(std::move(root), path);
 }

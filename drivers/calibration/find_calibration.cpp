@@ -6,7 +6,9 @@
 #include <iterator>
 #include <vector>
 
-#include "drivers/calibration/format.h"
+#include <fmt/format.h>
+
+#include "drivers/calibration/formats.h"
 
 namespace cliquevo::drivers {
 
@@ -57,16 +59,47 @@ constexpr std::array<const char*, 39> kUsualNames{"calib_cam_to_cam.txt",
                                                   "cam1.yaml",
                                                   "cam1/sensor.yaml"};
 
-bool is_calibration(const fs::path& path) {
+std::string small_letters(std::string text) {
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return text;
+}
+
+// "stereoParams.mat": beside a recording it is looked at even if it is large, or cannot be read.
+bool is_named_as_calibration(const fs::path& path) {
+  const std::string name = small_letters(path.stem().string());
+  const auto words = {"calib", "stereo", "param", "camera", "intrinsic", "extrinsic"};
+  return std::any_of(words.begin(), words.end(), [&](const char* w) { return name.find(w) != std::string::npos; });
+}
+
+// How much a file looks like the calibration; the best of a folder count.
+enum class Likeness { none, one_camera, printed, format };
+
+Likeness likeness_of(const fs::path& path) {
   const std::string extension = path.extension().string();
-  const auto known = {".yaml", ".yml", ".json", ".xml", ".conf", ".ini", ".txt"};
-  if (std::find(known.begin(), known.end(), extension) == known.end()) return false;
-  Result<std::string> text = read_text_file(path.string(), "calibration", kLargestCandidate);
-  if (!text) return false;
+  const auto known = {".yaml", ".yml", ".json", ".xml", ".conf", ".ini", ".txt", ".npz", ".m", ".toml"};
+  if (std::find(known.begin(), known.end(), extension) == known.end()) return Likeness::none;
+  std::error_code ec;
+  const bool archive = extension == ".npz" && is_named_as_calibration(path);
+  if (!fs::is_regular_file(path, ec)) return Likeness::none;
+  if (!archive && fs::file_size(path, ec) > kLargestCandidate) return Likeness::none;
+  Result<std::string> text = read_calibration_text(path.string());
+  if (!text) return Likeness::none;
   const CalibrationText file(path.string(), std::move(*text));
-  if (file.broken || file.lines.empty()) return false;
+  if (file.broken || (file.lines.empty() && !file.document)) return Likeness::none;
   const auto formats = calibration_formats();
-  return std::any_of(formats.begin(), formats.end(), [&](const CalibrationFormat& f) { return f.recognise(file); });
+  if (std::any_of(formats.begin(), formats.end(), [&](const CalibrationFormat& f) { return f.recognise(file); })) {
+    return Likeness::format;
+  }
+  if (is_named_as_calibration(path) && names_printed_matrices(file)) return Likeness::printed;
+  if (!file.document || !is_one_camera(file)) return Likeness::none;
+  // One camera's file counts where all the rest is beside it: else a better one may lie above.
+  const std::vector<std::string> others = other_camera_paths(path.string());
+  const bool pair = std::any_of(others.begin(), others.end(), [&](const std::string& other) {
+    return other != path.string() && fs::exists(other, ec);
+  });
+  CalibrationRequest request;
+  request.path = path.string();
+  return pair && read_calibration(request) ? Likeness::one_camera : Likeness::none;
 }
 
 std::string find_in(const std::string& folder) {
@@ -77,13 +110,18 @@ std::string find_in(const std::string& folder) {
   }
   std::vector<std::string> chains;  // Kalibr puts the name of its recording into that of the file
   std::vector<std::string> files;
+  Likeness best = Likeness::none;
   std::size_t seen = 0;
   for (fs::directory_iterator entry(folder, ec); !ec && entry != fs::directory_iterator(); entry.increment(ec)) {
     const std::string name = entry->path().filename().string();
     if (name.find("camchain") != std::string::npos && entry->path().extension() == ".yaml") {
       chains.push_back(entry->path().string());
     }
-    if (++seen <= kMostFiles && is_calibration(entry->path())) files.push_back(entry->path().string());
+    if (++seen > kMostFiles) continue;
+    const Likeness likeness = likeness_of(entry->path());
+    if (likeness > best) files.clear();
+    best = std::max(best, likeness);
+    if (likeness == best && best != Likeness::none) files.push_back(entry->path().string());
   }
   if (!chains.empty()) return *std::min_element(chains.begin(), chains.end());
   // One file per camera is one calibration; the left camera's stands for it.
@@ -107,6 +145,39 @@ std::string find_in(const std::string& folder) {
 }
 
 }  // namespace
+
+std::optional<Error> binary_calibration(const std::string& path) {
+  const std::string extension = small_letters(fs::path(path).extension().string());
+  constexpr char kSavez[] =
+      "write its matrices with np.savez('stereo_calibration.npz', K1=..., D1=..., K2=..., D2=..., R=..., T=...)";
+  const bool pickle = extension == ".pkl" || extension == ".pickle" || extension == ".p";
+  if (pickle) return Error{"calibration is a file of Python's own, no text", path, kSavez};
+  if (extension == ".npy") return Error{"calibration is a single array of NumPy's, no text", path, kSavez};
+  if (extension != ".mat") return std::nullopt;
+  return Error{"calibration is a file of MATLAB's own, no text", path,
+               "write its matrices as JSON (jsonencode), named K1, D1, K2, D2, R and T"};
+}
+
+Error missing_calibration(const std::string& recording) {
+  std::error_code ec;
+  const fs::path folder = fs::is_directory(recording, ec) ? fs::path(recording) : fs::path(recording).parent_path();
+  std::size_t seen = 0;
+  std::vector<std::string> binaries;
+  for (const char* inner : {".", "calibration", "calib"}) {
+    for (fs::directory_iterator entry(folder / inner, ec); !ec && entry != fs::directory_iterator();
+         entry.increment(ec)) {
+      if (++seen > kMostFiles) break;
+      const std::string path = (inner[0] == '.' ? folder : folder / inner) / entry->path().filename();
+      if (is_named_as_calibration(path) && binary_calibration(path)) binaries.push_back(path);
+    }
+  }
+  if (!binaries.empty()) {
+    const Error first = *binary_calibration(*std::min_element(binaries.begin(), binaries.end()));
+    return {"recording has no calibration that can be read", first.where,
+            fmt::format("it is no text: {}", first.remedy)};
+  }
+  return {"recording has no calibration", recording, "name one with --calibration FILE"};
+}
 
 std::string find_calibration(const std::string& folder) {
   std::string found = find_in(folder);

@@ -18,8 +18,8 @@ namespace cliquevo::drivers {
 struct CalibrationText {
   std::string path;
   std::string text;
-  std::vector<TextLine> lines;       // views into `text`
-  std::optional<Document> document;  // where the text is YAML, JSON, XML or INI
+  std::vector<TextLine> lines;       // views into `text`; none of an archive
+  std::optional<Document> document;  // where the text is YAML, JSON, XML or INI, or NumPy's archive
   std::optional<Error> broken;       // where it should be one of them and is none
 
   CalibrationText(std::string path, std::string text);
@@ -43,6 +43,12 @@ struct CalibrationFormat {
 // In the order in which a file is tried.
 std::span<const CalibrationFormat> calibration_formats();
 
+// Whether a text without syntax names matrices as programs print them.
+bool names_printed_matrices(const CalibrationText& file);
+// The text of a file that may be a calibration; of NumPy's archives (.npz) the bytes.
+Result<std::string> read_calibration_text(const std::string& path);
+// What is said of a file that Python or MATLAB alone read, by its name; nothing = it is none.
+std::optional<Error> binary_calibration(const std::string& path);
 // Syntaxes of other files of a calibration.
 Result<Document> read_other(const OtherFile& other, const std::vector<std::string>& paths);
 // The names that the file of the other camera may have: the same one with "left" for "right" and so on.

@@ -29,6 +29,9 @@ CLIQUEVO_CALIBRATION_FORMAT(realsense);
 // Keys.
 CLIQUEVO_CALIBRATION_FORMAT(kalibr);   // cam0, cam1: T_cn_cnm1 takes points from cam0 to cam1; T_cam_imu, T_imu_cam
 CLIQUEVO_CALIBRATION_FORMAT(euroc);    // sensor.yaml of each camera: T_BS takes points of the camera to the body
+CLIQUEVO_CALIBRATION_FORMAT(airslam);  // cam0, cam1: intrinsics, T with T_type; distortion_type by number
+CLIQUEVO_CALIBRATION_FORMAT(dsec);     // intrinsics: cam0..3, camRect0..3; extrinsics: T_10, T_21, R_rect0
+CLIQUEVO_CALIBRATION_FORMAT(maplab);   // sensors: an NCAMERA's cameras
 CLIQUEVO_CALIBRATION_FORMAT(okvis);    // cameras: a list; T_SC takes points of the camera to the sensor
 CLIQUEVO_CALIBRATION_FORMAT(vins);     // body_T_cam0, body_T_cam1, and a file of intrinsics per camera
 CLIQUEVO_CALIBRATION_FORMAT(basalt);   // value0: T_imu_cam, intrinsics, resolution

@@ -2,6 +2,7 @@
 #include "drivers/calibration/key_names.h"
 
 #include <algorithm>
+#include <array>
 
 #include "drivers/calibration/key_words.h"
 
@@ -84,6 +85,12 @@ void read_pose(const std::vector<std::string>& words, KeyMeaning& meaning) {
   const auto at = [&](std::initializer_list<const char*> names) {
     return std::find_if(words.begin(), words.end(), [&](const std::string& w) { return among(w, names); });
   };
+  // MC-Calib's: of the camera in the first one.
+  constexpr std::array<const char*, 3> kMcCalib{"camera", "pose", "matrix"};
+  if (std::search(words.begin(), words.end(), kMcCalib.begin(), kMcCalib.end()) != words.end()) {
+    meaning.against_body = meaning.body_first = true;
+    return;
+  }
   if (!names_body(words)) return;
   meaning.against_body = true;
   const auto body = at({"imu", "body", "b", "i", "base", "bs", "sc", "bc", "ic"});
@@ -116,12 +123,13 @@ Quantity scalar(std::vector<std::string> rest) {
   if (among(w, {"cx", "cu", "ppx", "u", "u0"})) return Quantity::cx;
   if (among(w, {"cy", "cv", "ppy", "v", "v0"})) return Quantity::cy;
   if (among(w, {"f", "focal", "focallength"}) || (w == "length" && rest.front() == "focal")) return Quantity::focal;
-  if (among(w, {"width", "cols", "w"})) return Quantity::width;
-  if (among(w, {"height", "rows", "h"})) return Quantity::height;
+  if (among(w, {"width", "nwidth", "cols", "w"})) return Quantity::width;
+  if (among(w, {"height", "nheight", "rows", "h"})) return Quantity::height;
   if (w == "bf" || w == "fb" || (w == "baseline" && rest.front() == "focal")) return Quantity::bf;
   const bool parted = w == "line" && rest.size() > 1 && rest[rest.size() - 2] == "base";
   if (w == "baseline" || w == "b" || parted) return Quantity::baseline;
   if (w == "xi") return Quantity::xi;
+  if (w == "offset" && rest.size() == 2 && among(rest.front(), {"vertical", "disparity"})) return Quantity::row_offset;
   if (w == "alpha") return Quantity::alpha;
   if (w == "beta") return Quantity::beta;
   return Quantity::none;
@@ -255,6 +263,9 @@ void settle(const std::vector<std::string>& words, KeyMeaning& meaning) {
     meaning.quantity = Quantity::none;
   }
   if (meaning.quantity == Quantity::baseline && is_of_vehicle(words)) meaning.quantity = Quantity::none;
+  if (meaning.quantity == Quantity::row_offset) {
+    meaning.index = std::find(words.begin(), words.end(), "disparity") != words.end() ? 1 : 0;
+  }
   const bool rotation = meaning.quantity == Quantity::rotation;
   const bool translation = meaning.quantity == Quantity::translation;
   if (rotation || translation || meaning.quantity == Quantity::pose) read_pose(words, meaning);

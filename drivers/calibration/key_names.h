@@ -40,6 +40,7 @@ enum class Quantity {
   baseline,          // in the file's unit
   baseline_in_unit,  // in the unit of its name
   bf,                // baseline times fx, px m
+  row_offset,        // of the right image, px: index 0 = rows, 1 = disparity
   // Of a camera's pose the other way round ("R_cam_to_world"): from the camera to a common frame.
   rotation_outwards,     // 9 numbers or a rotation vector
   translation_outwards,  // 3

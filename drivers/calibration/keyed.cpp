@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "drivers/calibration/baseline.h"
 #include "drivers/calibration/formats.h"
 #include "drivers/calibration/keyed_parts.h"
 #include "drivers/calibration/keyed_pose.h"
@@ -71,8 +72,8 @@ bool same_cameras(const CameraParts& a, const CameraParts& b) {
 }
 
 // A first camera that lies on the right, for certain, is the right one: by poses in a body, by projections that
-// were computed from R and T, or where both cameras are one and the same.
-// True: they were exchanged.
+// were computed from R and T, or where both cameras are one and the same. True: they were exchanged, and so are their
+// images; cameras that are one and the same show only that T is meant the other way round.
 bool order_cameras(CameraParts& left, CameraParts& right, KeyedPose& pose, std::vector<std::string>& notes) {
   if (pose.T_right_left.t.x() <= 0.0) return false;
   const bool computed = left.P.size() == 12 && right.P.size() == 12 && left.R && right.R && right.P[3] > left.P[3];
@@ -81,7 +82,7 @@ bool order_cameras(CameraParts& left, CameraParts& right, KeyedPose& pose, std::
   std::swap(left, right);
   pose.T_right_left = pose.T_right_left.inverse();
   notes.push_back(kExchangedNote);
-  return true;
+  return pose.directed || computed;
 }
 
 // Cameras with their rectified ones and no pose besides.
@@ -115,10 +116,74 @@ Result<KeyedPose> parallel_pose(const Keys& keys, const CameraParts& left, const
   if (std::any_of(left.D.begin(), left.D.end(), [](double k) { return k != 0.0; })) {
     notes.push_back("no rotation between the cameras is given: they are taken for parallel");
   }
-  return KeyedPose{{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, true};
+  return KeyedPose{{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, true, {}};
+}
+
+// What the file has besides two cameras and their pose: told, or refused where it would be ignored.
+Result<void> look_around(const Keys& keys, const std::string& path, std::vector<std::string>& notes) {
+  if (keys.poses_are_of_others()) {
+    return Error{fmt::format("calibration is of {} cameras, and its poses are of pairs", keys.cameras()), path,
+                 "name a file with the two cameras of the images and their R and T alone"};
+  }
+  if (keys.cameras() > 2) {
+    notes.push_back(fmt::format("calibration is of {} cameras: the first two are taken", keys.cameras()));
+  }
+  for (const int which : {0, 1}) {
+    const auto offset = keys.find(Quantity::row_offset, KeySide::none, which);
+    if (!offset) return offset.error();
+    if (*offset == nullptr || (*offset)->numbers.front() == 0.0) continue;
+    return Error{fmt::format("calibration shifts the images against each other by {:g} px, which is not undone",
+                             (*offset)->numbers.front()),
+                 (*offset)->where,
+                 "give each camera its own principal point in its place, or 0 if the images are shifted already"};
+  }
+  return {};
+}
+
+// How camera matrices had to be read.
+void note_matrices(const CameraParts& left, const CameraParts& right, std::vector<std::string>& notes) {
+  if (left.transposed && right.transposed) {
+    notes.push_back("camera matrices stand as their transposes, as MATLAB's: R is read likewise");
+  }
+  if (left.open || right.open) notes.push_back("camera matrices end in 0 0 0: taken for 0 0 1");
+}
+
+// Cameras with a pose, or with their distance alone.
+Result<StereoCalibration> rig_by_pose(const Keys& keys, CameraParts left, CameraParts right,
+                                      std::optional<KeyedPose> pose, const std::string& path,
+                                      const CalibrationRequest& request) {
+  if (left.camera.fx_px <= 0.0 || right.camera.fx_px <= 0.0) {
+    return calibration_error("calibration lacks the left or the right camera's matrix", path);
+  }
+  std::vector<std::string> notes;
+  double unit_m = 1.0;
+  const bool distance_alone = !pose;
+  if (pose) {
+    unit_m = length_unit_of(keys, pose->T_right_left.t.norm(), notes);
+  } else {
+    auto parallel = parallel_pose(keys, left, path, notes);
+    if (!parallel) return parallel.error();
+    pose = *parallel;
+  }
+  note_matrices(left, right, notes);
+  if (!pose->note.empty()) notes.push_back(pose->note);
+  // Rotations of cameras with a translation each are poses, no rectification.
+  if (keys.has(Quantity::translation, KeySide::right)) left.R = right.R = std::nullopt;
+  const bool exchanged = order_cameras(left, right, *pose, notes);
+  auto rig = rig_of_pose(left, right, pose->T_right_left, request, unit_m);
+  if (!rig) return rig;
+  const bool unit_known = distance_alone || names_unit(keys) || request.options.baseline_unit_m > 0.0;
+  if (!unit_known) {
+    if (auto wide = note_wide_baseline(rig->T_right_left.t.norm())) notes.push_back(std::move(*wide));
+  }
+  rig->exchanged = exchanged;
+  rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
+  return rig;
 }
 
 Result<StereoCalibration> rig_of(const Keys& keys, const std::string& path, const CalibrationRequest& request) {
+  std::vector<std::string> notes;
+  if (auto ok = look_around(keys, path, notes); !ok) return ok.error();
   Result<CameraParts> left = read_parts(keys, KeySide::left, path);
   if (!left) return left.error();
   Result<CameraParts> right = read_parts(keys, KeySide::right, path);
@@ -127,31 +192,12 @@ Result<StereoCalibration> rig_of(const Keys& keys, const std::string& path, cons
   if (!plain) return plain.error();
   if (*plain) return std::move(**plain);
   if (auto ok = add_projections(keys, *left, *right); !ok) return ok.error();
-  auto pose = pose_of(keys, *left, *right);
+  const auto pose = pose_of(keys, *left, *right);
   if (!pose) return pose.error();
-  if (!*pose && left->P.size() == 12 && right->P.size() == 12) return rig_by_projections(keys, *left, *right, request);
-  if (left->camera.fx_px <= 0.0 || right->camera.fx_px <= 0.0) {
-    return calibration_error("calibration lacks the left or the right camera's matrix", path);
-  }
-  std::vector<std::string> notes;
-  double unit_m = 1.0;
-  if (*pose) {
-    unit_m = length_unit_of(keys, (*pose)->T_right_left.t.norm(), notes);
-  } else {
-    auto parallel = parallel_pose(keys, *left, path, notes);
-    if (!parallel) return parallel.error();
-    *pose = *parallel;
-  }
-  if (left->transposed && right->transposed) {
-    notes.push_back("camera matrices stand as their transposes, as MATLAB's: R is read likewise");
-  }
-  // Rotations of cameras with a translation each are poses, no rectification.
-  if (keys.has(Quantity::translation, KeySide::right)) left->R = right->R = std::nullopt;
-  const bool exchanged = order_cameras(*left, *right, **pose, notes);
-  auto rig = rig_of_pose(*left, *right, (*pose)->T_right_left, request, unit_m);
-  if (!rig) return rig;
-  rig->exchanged = exchanged;
-  rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
+  const bool by_projections = !*pose && left->P.size() == 12 && right->P.size() == 12;
+  auto rig = by_projections ? rig_by_projections(keys, *left, *right, request)
+                            : rig_by_pose(keys, *left, *right, *pose, path, request);
+  if (rig) rig->notes.insert(rig->notes.begin(), notes.begin(), notes.end());
   return rig;
 }
 
@@ -174,7 +220,7 @@ void add_under(const char* side, const Document& camera, Keys& keys) {
 bool add_cameras_beside(const std::string& path, const OtherFile& other, Keys& keys) {
   for (const char* side : {"left", "right"}) {
     std::vector<std::string> paths;
-    for (const std::string extension : {".yml", ".yaml", ".xml", ".json"}) {
+    for (const std::string extension : {".yml", ".yaml", ".xml", ".json", ".npz"}) {
       for (const char* pattern : {"{}", "camera_{}", "{}_camera", "cam_{}", "{}_cam", "intrinsics_{}", "{}_intrinsics",
                                   "calib_{}", "{}_calib", "calibration_{}", "{}_calibration"}) {
         paths.push_back(beside(path, fmt::format(fmt::runtime(pattern), side) + extension));
@@ -217,9 +263,10 @@ std::optional<Keys> pair_of_files(const CalibrationText& file, const OtherFile& 
   add_under("right", swapped ? *file.document : *second, keys);
   if (has_pose(keys)) return keys;
   std::vector<std::string> paths;
-  for (const std::string extension : {".yml", ".yaml", ".xml", ".json"}) {
-    for (const char* name : {"stereo", "extrinsics", "extrinsic", "stereo_extrinsics", "stereo_calib", "stereo_params",
-                             "stereo_calibration", "calib_stereo", "cam_stereo", "R_T"}) {
+  for (const std::string extension : {".yml", ".yaml", ".xml", ".json", ".npz"}) {
+    for (const char* name :
+         {"stereo", "extrinsics", "extrinsic", "stereo_extrinsics", "stereo_calib", "stereo_params",
+          "stereo_calibration", "calib_stereo", "cam_stereo", "R_T", "calib_chain", "camchain", "chain"}) {
       paths.push_back(beside(file.path, name + extension));
     }
   }

@@ -66,7 +66,9 @@ Result<void> read_matrix(const KeyEntry& K, CameraParts& parts) {
     return Error{fmt::format("{} has {} numbers instead of 9", printable(K.key), K.numbers.size()), K.where,
                  "copy the calibration again: it is torn"};
   }
-  const std::vector<double>& v = K.numbers;
+  std::vector<double> v = K.numbers;
+  parts.open = v[0] > 0.0 && v[4] > 0.0 && v[6] == 0.0 && v[7] == 0.0 && v[8] == 0.0;
+  if (parts.open) v[8] = 1.0;
   // MATLAB's matrices are the transposes of those of everybody else.
   parts.transposed = v[2] == 0.0 && v[5] == 0.0 && v[6] > 0.0 && v[7] > 0.0 && v[8] == 1.0;
   if (!parts.transposed) return put_camera_matrix(v, K.where, parts);

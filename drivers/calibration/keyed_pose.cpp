@@ -2,6 +2,7 @@
 #include "drivers/calibration/keyed_pose.h"
 
 #include <cmath>
+#include <utility>
 
 #include <Eigen/Geometry>
 #include <fmt/format.h>
@@ -41,6 +42,19 @@ Result<Eigen::Matrix3d> rotation_of(const KeyEntry& R) {
 // A pose between the cameras whose direction its name leaves open: the right camera lies on the right.
 RigidTransform right_from_left(const RigidTransform& T) { return T.t.x() > 0.0 ? T.inverse() : T; }
 
+// "T_c1_c2" takes points from camera 2 to camera 1, by the common convention; a word where the numbers say otherwise.
+std::string note_on_direction(const KeyEntry& entry, const RigidTransform& T) {
+  const std::string name = entry.key.substr(entry.key.rfind('.') + 1);
+  const std::size_t first = name.find_first_of("0123456789");
+  const std::size_t second = name.find_last_of("0123456789");
+  const bool transform = name.starts_with("T") && name.find("to") == std::string::npos;
+  if (!transform || first == std::string::npos || second == first) return {};
+  const bool right_to_left = name[first] < name[second];
+  if (right_to_left == (T.t.x() > 0.0)) return {};
+  return fmt::format("{} leads the other way than its name says: otherwise the right camera would lie on the left",
+                     printable(entry.key.substr(0, 64)));
+}
+
 using Pose = std::optional<KeyedPose>;
 
 // The rotation between cameras whose rectifications are known: where they make the translation a baseline.
@@ -59,13 +73,13 @@ Result<Pose> pose_of_side(const Keys& keys, KeySide side, const KeyEntry& T, con
   const auto R = keys.find(Quantity::rotation, side);
   if (!R) return R.error();
   if (*R == nullptr) {
-    if (const auto rotation = rotation_by_rectification(left, right, t)) return Pose{{{*rotation, t}, false}};
+    if (const auto rotation = rotation_by_rectification(left, right, t)) return Pose{{{*rotation, t}, false, {}}};
     return Error{"calibration lacks R, the rotation between the cameras", T.where, "name it R"};
   }
   const auto rotation = rotation_of(**R);
   if (!rotation) return rotation.error();
   const bool transposed = left.transposed && right.transposed && (*R)->numbers.size() == 9;
-  return Pose{{{transposed ? Eigen::Matrix3d(rotation->transpose()) : *rotation, t}, false}};
+  return Pose{{{transposed ? Eigen::Matrix3d(rotation->transpose()) : *rotation, t}, false, {}}};
 }
 
 // Rotation and translation of one camera against a common frame; nothing = not there.
@@ -96,8 +110,8 @@ Result<Pose> pose_of_two(const Keys& keys) {
     if (!left) return left.error();
     const auto right = own_pose(keys, rotation, translation, KeySide::right);
     if (!right) return right.error();
-    if (outwards) return Pose{{(*right)->inverse() * **left, true}};
-    return Pose{{**right * (*left)->inverse(), false}};
+    if (outwards) return Pose{{(*right)->inverse() * **left, true, {}}};
+    return Pose{{**right * (*left)->inverse(), false, {}}};
   }
   return Pose{};
 }
@@ -122,20 +136,32 @@ Result<Pose> pose_of_transforms(const Keys& keys) {
     if (*entry == nullptr || (side == KeySide::none && (*entry)->meaning.against_body)) continue;
     const auto T = transform_from((*entry)->numbers, (*entry)->where);
     if (!T) return T.error();
-    if (side != KeySide::right) return Pose{{right_from_left(*T), false}};
+    if (side != KeySide::right) return Pose{{right_from_left(*T), false, note_on_direction(**entry, *T)}};
     const auto other = keys.find(Quantity::pose, KeySide::left);
     if (!other) return other.error();
     if (*other == nullptr) {
       if ((*entry)->meaning.against_body) continue;
-      return Pose{{right_from_left(*T), false}};
+      return Pose{{right_from_left(*T), false, {}}};
     }
     const auto T_left = transform_from((*other)->numbers, (*other)->where);
     if (!T_left) return T_left.error();
     // Unnamed frames: of the two readings the one with the right camera farther on the right.
     const RigidTransform to_body = T->inverse() * *T_left;
     const RigidTransform from_body = *T * T_left->inverse();
-    if ((*entry)->meaning.against_body) return Pose{{(*entry)->meaning.body_first ? to_body : from_body, true}};
-    return Pose{{from_body.t.x() < to_body.t.x() ? from_body : to_body, false}};
+    if ((*entry)->meaning.against_body) {
+      const bool to = (*entry)->meaning.body_first;
+      const RigidTransform& T_right_left = to ? to_body : from_body;
+      std::string note;
+      if (T_right_left.t.x() > 0.0) {
+        note = fmt::format("{} is read as leading {}, as its name says", printable((*entry)->key.substr(0, 64)),
+                           to ? "from the camera to the frame of both" : "from the frame of both to the camera");
+      }
+      return Pose{{T_right_left, true, std::move(note)}};
+    }
+    return Pose{{from_body.t.x() < to_body.t.x() ? from_body : to_body, false,
+                 fmt::format("{} and the other camera's name no direction: read so that the right camera lies on the "
+                             "right",
+                             printable((*entry)->key.substr(0, 64)))}};
   }
   return Pose{};
 }
@@ -166,6 +192,14 @@ Result<std::optional<double>> baseline_of(const Keys& keys, double fx_px) {
   if (!bf) return bf.error();
   if (!*bf || !(fx_px > 0.0)) return std::optional<double>{};
   return std::optional<double>{std::abs(**bf) / fx_px};
+}
+
+bool names_unit(const Keys& keys) {
+  for (const Quantity q : {Quantity::translation, Quantity::pose, Quantity::translation_outwards}) {
+    const KeyEntry* entry = first_of(keys, q);
+    if (entry != nullptr && entry->meaning.unit_m > 0.0) return true;
+  }
+  return keys.has(Quantity::baseline_in_unit);
 }
 
 double length_unit_of(const Keys& keys, double length, std::vector<std::string>& notes) {

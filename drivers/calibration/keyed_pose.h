@@ -16,6 +16,7 @@ struct KeyedPose {
   RigidTransform T_right_left;  // lengths in the file's unit
   // Its direction is certain: a camera that lies on the left is the left one, whatever its name.
   bool directed = false;
+  std::string note;  // what was guessed
 };
 
 // Nothing = the file has none. `left` and `right`: their rectifications may give the rotation.
@@ -25,5 +26,8 @@ Result<std::optional<double>> baseline_of(const Keys& keys, double fx_px);
 // Metres a unit of the file's lengths: by the names of its keys, or by a baseline whose unit is named beside
 // `length` in the file's unit. What was inferred is noted.
 double length_unit_of(const Keys& keys, double length, std::vector<std::string>& notes);
+
+// Whether the file says the unit of its lengths.
+bool names_unit(const Keys& keys);
 
 }  // namespace cliquevo::drivers

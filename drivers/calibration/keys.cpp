@@ -151,6 +151,7 @@ std::vector<std::string> names_of(const std::vector<DocumentNode>& items) {
     numbers.push_back(std::to_string(i));
     if (!names.back().empty()) different.insert(names.back());
   }
+  if (items.size() == 1 && different.empty()) return {""};  // one pose of a list of poses is no camera 0's
   return different.size() == names.size() ? names : numbers;
 }
 
@@ -187,7 +188,7 @@ void Keys::step(const DocumentNode& inner, const std::string& file, const std::s
     path.push_back(name.substr(at, dot - at));
     at = dot + 1;
   }
-  walk(inner, file, key.empty() ? name : key + "." + name, path);
+  walk(inner, file, key.empty() ? name : name.empty() ? key : key + "." + name, path);
   path.resize(depth);
 }
 
@@ -232,19 +233,55 @@ void Keys::leaf(const DocumentNode& node, const std::string& file, const std::st
   if (entry.meaning.quantity != Quantity::none) entries_.push_back(std::move(entry));
 }
 
+namespace {
+
+bool is_of_numbered(const KeyMeaning& m) {
+  return m.quantity == Quantity::camera_matrix || m.quantity == Quantity::fx || m.quantity == Quantity::projection ||
+         m.quantity == Quantity::focal || m.quantity == Quantity::focals;
+}
+
+// "stereo: [{R, T}, {R, T}]" of three cameras: pose 0 is not camera 0's.
+bool numbers_pairs(const std::vector<KeyEntry>& entries, const std::set<int>& cameras) {
+  std::set<int> poses;
+  for (const KeyEntry& entry : entries) {
+    const KeyMeaning& m = entry.meaning;
+    const bool pose = m.quantity == Quantity::translation || m.quantity == Quantity::pose;
+    if (pose && m.side == KeySide::none && m.number) poses.insert(*m.number);
+  }
+  return cameras.size() > 2 && poses.count(*cameras.begin()) > 0 && poses.count(*cameras.rbegin()) == 0;
+}
+
+// "cam0: Kl, Kr": a number around both cameras is the rig's.
+void forget_numbers_of_rigs(std::vector<KeyEntry>& entries) {
+  const auto outermost = [](const KeyEntry& entry) { return entry.key.substr(0, entry.key.find('.')); };
+  std::set<std::string> with_left, with_right;
+  for (const KeyEntry& entry : entries) {
+    if (!entry.meaning.number || !is_of_a_camera(entry.meaning.quantity)) continue;
+    if (entry.meaning.side == KeySide::left) with_left.insert(outermost(entry));
+    if (entry.meaning.side == KeySide::right) with_right.insert(outermost(entry));
+  }
+  for (KeyEntry& entry : entries) {
+    const std::string key = outermost(entry);
+    const bool numbered = key.find_first_of("0123456789") != std::string::npos && key.size() < entry.key.size();
+    if (numbered && with_left.count(key) > 0 && with_right.count(key) > 0) entry.meaning.number.reset();
+  }
+}
+
+}  // namespace
+
 // Which side a camera's number stands for: of two the smaller is the left one's; a single one beside none is the right.
 void Keys::settle_numbers() {
+  forget_numbers_of_rigs(entries_);
   std::set<int> numbers;
   bool plain = false;
   for (const KeyEntry& entry : entries_) {
     const KeyMeaning& m = entry.meaning;
-    if (m.quantity != Quantity::camera_matrix && m.quantity != Quantity::fx && m.quantity != Quantity::projection &&
-        m.quantity != Quantity::focal && m.quantity != Quantity::focals) {
-      continue;
-    }
+    if (!is_of_numbered(m)) continue;
     if (m.side == KeySide::none && m.number) numbers.insert(*m.number);
     plain = plain || (m.side == KeySide::none && !m.number);
   }
+  cameras_ = std::max(cameras_, static_cast<int>(numbers.size()));
+  poses_are_of_others_ = poses_are_of_others_ || numbers_pairs(entries_, numbers);
   if (numbers.empty()) {
     for (const KeyEntry& entry : entries_) {  // an extrinsics file alone: R1, R2
       if (entry.meaning.side == KeySide::none && entry.meaning.number) numbers.insert(*entry.meaning.number);

@@ -33,6 +33,9 @@ class Keys {
   std::vector<const KeyEntry*> lenses(KeySide side) const;
   bool has(Quantity quantity, KeySide side) const;
   bool has(Quantity quantity) const;
+  // How many cameras have numbers, of which two are taken; and whether poses are numbered otherwise than cameras.
+  int cameras() const { return cameras_; }
+  bool poses_are_of_others() const { return poses_are_of_others_; }
 
  private:
   void walk(const DocumentNode& node, const std::string& file, const std::string& key, std::vector<std::string>& path);
@@ -43,6 +46,8 @@ class Keys {
   void settle_numbers();
 
   std::vector<KeyEntry> entries_;
+  int cameras_ = 0;
+  bool poses_are_of_others_ = false;
 };
 
 }  // namespace cliquevo::drivers

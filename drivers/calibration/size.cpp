@@ -147,7 +147,12 @@ Result<void> settle_size(StereoCalibration& c, const CalibrationRequest& request
         request.path);
   }
   halve_width(c, request);
-  if (is_of_another_size(c.left, c.right)) return other_size(c.left, request.path);
+  if (is_of_another_size(c.left, c.right)) {
+    return Error{"calibration is of another image size than it says", request.path,
+                 fmt::format("it says {}x{}, but its principal point {:.1f}, {:.1f} px suits about {:.0f}x{:.0f}: "
+                             "correct the size in the file, or name the calibration of these images",
+                             l.width, l.height, l.cx_px, l.cy_px, 2.0 * l.cx_px, 2.0 * l.cy_px)};
+  }
   if (request.width <= 0 || (l.width == request.width && l.height == request.height)) return {};
   const double by = static_cast<double>(request.width) / l.width;
   const double by_height = static_cast<double>(request.height) / l.height;

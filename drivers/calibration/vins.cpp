@@ -4,6 +4,7 @@
 
 #include "drivers/calibration/checks.h"
 #include "drivers/calibration/formats.h"
+#include "drivers/calibration/keys.h"
 
 namespace cliquevo::drivers {
 
@@ -74,7 +75,10 @@ Result<CameraCalibration> read_vins_camera(const Document& file) {
 
 }  // namespace
 
-bool is_vins(const CalibrationText& file) { return file.has("body_T_cam0") || file.has("cam0_calib"); }
+bool is_vins(const CalibrationText& file) {
+  if (!file.has("body_T_cam0") && !file.has("cam0_calib")) return false;
+  return file.has("cam0_calib") || !Keys(*file.document).has(Quantity::fx, KeySide::right);  // OV2SLAM has both in one
+}
 
 Result<StereoCalibration> read_vins(const CalibrationText& file, const CalibrationRequest& request,
                                     const OtherFile& other) {

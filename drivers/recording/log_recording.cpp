@@ -230,7 +230,7 @@ Result<Contents> read_logs(const std::vector<std::string>& paths, const Recordin
   contents.pairs = std::move(*pairs);
   if (contents.calibrations.empty() && options.calibration.empty()) {
     if (collector.calibration_error) return *collector.calibration_error;
-    return Error{"recording has no calibration", options.path, "name one with --calibration FILE"};
+    return missing_calibration(options.path);
   }
   return contents;
 }

@@ -176,7 +176,7 @@ Result<std::unique_ptr<FrameSource>> open_recording(const RecordingOptions& opti
   CalibrationRequest request;
   request.path = options.calibration.empty() ? layout->calibration : options.calibration;
   if (request.path.empty() && options.needs_calibration) {
-    return Error{"recording has no calibration", options.path, "name one with --calibration FILE"};
+    return missing_calibration(options.path);
   }
   request.width = info.width;
   request.height = info.height;

@@ -176,7 +176,7 @@ Result<std::unique_ptr<FrameSource>> open_videos(const VideoFiles& files, const 
   const std::string folder = fs::path(files.left).parent_path().string();
   request.path = options.calibration.empty() ? find_calibration(folder.empty() ? "." : folder) : options.calibration;
   if (request.path.empty() && options.needs_calibration) {
-    return Error{"recording has no calibration", files.left, "name one with --calibration FILE"};
+    return missing_calibration(files.left);
   }
   request.width = info.width;
   request.height = info.height;

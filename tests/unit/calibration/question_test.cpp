@@ -54,11 +54,31 @@ TEST(question, baselines_that_no_vehicle_carries) {
   EXPECT_NEAR(thousandths->T_right_left.t.norm(), 0.12, 1e-9);
   ASSERT_EQ(thousandths->notes.size(), 1U);
   EXPECT_NE(thousandths->notes[0].find("0.12 m"), std::string::npos) << thousandths->notes[0];
-  for (const char* usual : {"-0.02, 0, 0", "-0.063, 0, 0", "-0.54, 0, 0", "-1.2, 0, 0"}) {
+  for (const char* usual : {"-0.02, 0, 0", "-0.063, 0, 0", "-0.54, 0, 0", "-0.9, 0, 0"}) {
     const auto c = read(rig_yaml(D, usual));
     ASSERT_TRUE(c.ok()) << c.error().line();
     EXPECT_TRUE(c->notes.empty());
   }
+}
+
+TEST(question, a_baseline_of_a_metre_and_more_is_taken_and_its_unit_told) {
+  const std::string rig = rig_yaml("-0.3, 0.1, 0, 0, 0", "-1.2, 0, 0");
+  const auto c = read(rig);
+  ASSERT_TRUE(c.ok()) << c.error().line();
+  EXPECT_NEAR(c->T_right_left.t.norm(), 1.2, 1e-9);
+  ASSERT_EQ(c->notes.size(), 1U);
+  EXPECT_NE(c->notes[0].find("1.2 m"), std::string::npos) << c->notes[0];
+  EXPECT_NE(c->notes[0].find("--baseline-unit 0.025"), std::string::npos) << c->notes[0];
+  // Not where the unit is known: by the user, a name, the format.
+  EXPECT_TRUE(read(rig, unit(1.0))->notes.empty());
+  std::string named = rig;
+  named.replace(named.find("\nT:"), 3, "\nT_m:");
+  const auto metres = read(named);
+  ASSERT_TRUE(metres.ok()) << metres.error().line();
+  EXPECT_TRUE(metres->notes.empty());
+  const auto bf = read("Camera.fx: 400\nCamera.fy: 400\nCamera.cx: 320\nCamera.cy: 240\nCamera.bf: 480\n");
+  ASSERT_TRUE(bf.ok()) << bf.error().line();
+  EXPECT_TRUE(bf->notes.empty());
 }
 
 TEST(question, four_terms_that_two_lenses_fit) {
