@@ -22,7 +22,7 @@ namespace cliquevo::daemon {
 inline constexpr double kLeastNew = 0.1;  // share of a motion's variance, at least, that is not of the image before
 // The same features on the same surfaces, and what is left of the calibration's errors: a share kShared of the variance
 // of each motion's own part is of errors that many motions have in common, and that fade over kSharedMotions of them.
-inline constexpr double kShared = 0.0115;
+inline constexpr double kShared = 0.0105;
 inline constexpr double kSharedMotions = 100.0;
 
 // Covariance of a pose over the way to it: of position and rotation vector along the axes of the odometry frame.

@@ -134,7 +134,7 @@ TEST(BadInput, TrajectoriesBeyondReasonAreRefused) {
     expect_refused({"eval", "--reference", bad, "--estimate", fine}, 1, "bad.txt:3");
     expect_refused({"eval", "--reference", fine, "--estimate", bad}, 1, "bad.txt:3");
   }
-  const std::string tum = file_with("bad.tum", "0 0 0 0 0 0 0 1\n1e18 0 0 0 0 0 0 1\n");
+  const std::string tum = file_with("bad.tum", "0 0 0 0 0 0 0 1\n1e19 0 0 0 0 0 0 1\n");
   expect_refused({"eval", "--reference", tum, "--estimate", tum}, 1, "bad.tum:2");
 }
 
