@@ -201,7 +201,7 @@ void write_config(const std::string& path, const Options& options, bool real_tim
   if (!watched) return;
   std::ofstream(path, std::ios::app) << fmt::format(
       "lcm: {{images_channel: VO_IMAGES, images_rate_hz: {}, images_right: true, features_channel: VO_FEATURES, "
-      "movers_channel: VO_MOVERS}}\n",
+      "movers_channel: VO_MOVERS, points_channel: VO_POINTS}}\n",
       options.images_rate_hz);
 }
 
