@@ -19,7 +19,7 @@ using test::write_file;
 
 std::string little_endian(std::size_t value, int bytes) {
   std::string out;
-  for (int i = 0; i < bytes; ++i) out += static_cast<char>(value >> (8 * i) & 255U);
+  for (int i = 0; i < bytes; ++i, value >>= 8U) out += static_cast<char>(value & 255U);
   return out;
 }
 
