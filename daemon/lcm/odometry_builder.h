@@ -18,7 +18,7 @@ namespace cliquevo::daemon {
 // A motion's error has three parts: noise of the image that it ends in, which the next motion takes back; that of the
 // image before, which it takes back itself; and one of its own. The first and the last are alike, so that of motions
 // with equal covariances each part has a third: successive errors correlate by -1/3. A blurred picture makes the
-// covariance of two motions large, and what it adds to the pose is gone with the second.
+// covariance of two motions large, and about half of what it adds to the pose is gone with the second.
 inline constexpr double kLeastNew = 0.1;  // share of a motion's variance, at least, that is not of the image before
 // The same features on the same surfaces, and what is left of the calibration's errors: a share kShared of the variance
 // of each motion's own part is of errors that many motions have in common, and that fade over kSharedMotions of them.
