@@ -139,8 +139,10 @@ TEST(OdometryBuilder, WhatABlurredPictureAddsIsTakenBackInPart) {
   std::vector<double> added;
   for (int i = 0; i < 53; ++i) {
     const bool blur = i == 50 || i == 51;  // both motions that the picture is in
-    sharp.add(Eigen::Matrix3d::Identity(), {}, usual, PoseCovariance::Motion::next);
-    blurred.add(Eigen::Matrix3d::Identity(), {}, blur ? 100.0 * usual : usual, PoseCovariance::Motion::next);
+    const Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d t = Eigen::Vector3d::Zero();
+    sharp.add(R, t, usual, PoseCovariance::Motion::next);
+    blurred.add(R, t, blur ? 100.0 * usual : usual, PoseCovariance::Motion::next);
     added.push_back(blurred.matrix().trace() - sharp.matrix().trace());
   }
   EXPECT_EQ(added[49], 0.0);
