@@ -3,13 +3,19 @@
 
 #include <algorithm>
 #include <chrono>
-
-#include <boost/asio/buffer.hpp>
+#include <utility>
 
 namespace cliquevo::view {
 
-FoxgloveSession::FoxgloveSession(beast::tcp_stream&& stream, Ros2Topics& topics, const std::string& version)
-    : stream_(std::move(stream)), topics_(topics) {
+namespace {
+template <typename Bytes>
+std::string_view bytes_of(const Bytes& bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+}  // namespace
+
+FoxgloveSession::FoxgloveSession(std::unique_ptr<WebSocket> socket, Ros2Topics& topics, const std::string& version)
+    : socket_(std::move(socket)), topics_(topics) {
   // What was sent under another name is not to be taken for this session's.
   const auto now = std::chrono::steady_clock::now().time_since_epoch().count();
   greetings_.push_back(foxglove_server_info(version, std::to_string(now)));
@@ -18,14 +24,9 @@ FoxgloveSession::FoxgloveSession(beast::tcp_stream&& stream, Ros2Topics& topics,
 
 FoxgloveSession::~FoxgloveSession() { drop_all(); }
 
-void FoxgloveSession::accept(const HttpRequest& request) {
-  set_options(stream_, kMostFoxgloveBytes);
-  stream_.set_option(beast::websocket::stream_base::decorator([](beast::websocket::response_type& response) {
-    response.set(http::field::sec_websocket_protocol,
-                 beast::string_view(kFoxgloveProtocol.data(), kFoxgloveProtocol.size()));
-  }));
-  stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
-    if (error) return;
+void FoxgloveSession::start() {
+  socket_->accept([self = shared_from_this()](bool ok) {
+    if (!ok) return;
     self->open_ = true;
     self->read();
     self->pump();
@@ -35,8 +36,7 @@ void FoxgloveSession::accept(const HttpRequest& request) {
 void FoxgloveSession::close() {
   open_ = false;
   drop_all();
-  beast::error_code ignored;
-  beast::get_lowest_layer(stream_).socket().close(ignored);
+  socket_->close();
 }
 
 void FoxgloveSession::drop_all() {
@@ -45,11 +45,10 @@ void FoxgloveSession::drop_all() {
 }
 
 void FoxgloveSession::read() {
-  stream_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-    if (error) return self->close();
+  socket_->read([self = shared_from_this()](std::optional<WebSocket::Message> message) {
+    if (!message) return self->close();
     // Binary messages are what a client publishes: nothing that was offered.
-    if (self->stream_.got_text()) self->take(beast::buffers_to_string(self->buffer_.data()));
-    self->buffer_.consume(self->buffer_.size());
+    if (message->text) self->take(message->content);
     if (self->open_) self->read();
   });
 }
@@ -100,9 +99,7 @@ void FoxgloveSession::pump() {
 void FoxgloveSession::send_text(std::string text) {
   writing_ = true;
   text_ = std::move(text);
-  stream_.text(true);
-  stream_.async_write(asio::buffer(text_),
-                      [self = shared_from_this()](beast::error_code error, std::size_t) { self->sent(error); });
+  socket_->write({}, text_, true, [self = shared_from_this()](bool ok) { self->sent(ok); });
 }
 
 // Of the next subscription that has one: pictures do not hold up poses.
@@ -114,18 +111,17 @@ bool FoxgloveSession::send_message() {
     writing_ = true;
     message_ = std::move(*message);
     head_ = foxglove_message_head(s.id, message_.stamp_ns);
-    const std::array<asio::const_buffer, 2> all{asio::buffer(head_), asio::buffer(*message_.cdr)};
-    stream_.binary(true);
-    stream_.async_write(all, [self = shared_from_this()](beast::error_code error, std::size_t) { self->sent(error); });
+    socket_->write(bytes_of(head_), bytes_of(*message_.cdr), false,
+                   [self = shared_from_this()](bool ok) { self->sent(ok); });
     return true;
   }
   return false;
 }
 
-void FoxgloveSession::sent(const beast::error_code& error) {
+void FoxgloveSession::sent(bool ok) {
   writing_ = false;
   message_ = {};
-  if (error) return close();
+  if (!ok) return close();
   pump();
 }
 

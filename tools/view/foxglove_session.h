@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One viewer that speaks foxglove.websocket.v1. Included by the files that compile Boost.Beast.
+// One viewer that speaks foxglove.websocket.v1.
 #pragma once
 
 #include <array>
@@ -12,6 +12,7 @@
 #include "tools/view/foxglove_protocol.h"
 #include "tools/view/ros2_topics.h"
 #include "tools/view/session.h"
+#include "tools/view/web_socket.h"
 
 namespace cliquevo::view {
 
@@ -19,11 +20,11 @@ namespace cliquevo::view {
 // answered with one warning at a time.
 class FoxgloveSession final : public Session, public std::enable_shared_from_this<FoxgloveSession> {
  public:
-  FoxgloveSession(beast::tcp_stream&& stream, Ros2Topics& topics, const std::string& version);
+  FoxgloveSession(std::unique_ptr<WebSocket> socket, Ros2Topics& topics, const std::string& version);
   ~FoxgloveSession() override;
   FoxgloveSession(const FoxgloveSession&) = delete;
   FoxgloveSession& operator=(const FoxgloveSession&) = delete;
-  void accept(const HttpRequest& request) override;
+  void start() override;
   void pump() override;
   bool open() const override { return open_; }
 
@@ -41,11 +42,10 @@ class FoxgloveSession final : public Session, public std::enable_shared_from_thi
   void drop_all();
   void send_text(std::string text);
   bool send_message();
-  void sent(const beast::error_code& error);
+  void sent(bool ok);
 
-  WebSocket stream_;
+  const std::unique_ptr<WebSocket> socket_;
   Ros2Topics& topics_;
-  beast::flat_buffer buffer_;
   std::deque<std::string> greetings_;
   std::optional<std::string> warning_;
   std::vector<Subscription> subscriptions_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "tools/view/page_session.h"
 
-#include <boost/asio/buffer.hpp>
+#include <utility>
 
 namespace cliquevo::view {
 
@@ -9,14 +9,13 @@ namespace {
 constexpr std::size_t kRecordsAtOnce = 400;
 }  // namespace
 
-PageSession::PageSession(beast::tcp_stream&& stream, const Store& store, const PageContent& content,
+PageSession::PageSession(std::unique_ptr<WebSocket> socket, const Store& store, const PageContent& content,
                          const SharedState& shared)
-    : stream_(std::move(stream)), store_(store), content_(content), shared_(shared) {}
+    : socket_(std::move(socket)), store_(store), content_(content), shared_(shared) {}
 
-void PageSession::accept(const HttpRequest& request) {
-  set_options(stream_, kMostCommandBytes);
-  stream_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
-    if (error) return;
+void PageSession::start() {
+  socket_->accept([self = shared_from_this()](bool ok) {
+    if (!ok) return;
     self->open_ = true;
     self->read();
     self->pump();
@@ -25,16 +24,13 @@ void PageSession::accept(const HttpRequest& request) {
 
 void PageSession::close() {
   open_ = false;
-  beast::error_code ignored;
-  beast::get_lowest_layer(stream_).socket().close(ignored);
+  socket_->close();
 }
 
 void PageSession::read() {
-  stream_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
-    if (error) return self->close();
-    const std::string text = beast::buffers_to_string(self->buffer_.data());
-    self->buffer_.consume(self->buffer_.size());
-    self->take(text);
+  socket_->read([self = shared_from_this()](std::optional<WebSocket::Message> message) {
+    if (!message) return self->close();
+    self->take(message->content);
     if (self->open_) self->read();
   });
 }
@@ -80,10 +76,9 @@ void PageSession::pump() {
 void PageSession::send(std::string message, bool text) {
   writing_ = true;
   outgoing_ = std::move(message);
-  stream_.text(text);
-  stream_.async_write(asio::buffer(outgoing_), [self = shared_from_this()](beast::error_code error, std::size_t) {
+  socket_->write({}, outgoing_, text, [self = shared_from_this()](bool ok) {
     self->writing_ = false;
-    if (error) return self->close();
+    if (!ok) return self->close();
     self->pump();
   });
 }

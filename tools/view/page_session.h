@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// One page's WebSocket. Included by the files that compile Boost.Beast.
+// One page's WebSocket.
 #pragma once
 
 #include <memory>
@@ -10,6 +10,7 @@
 #include "tools/view/server.h"
 #include "tools/view/session.h"
 #include "tools/view/store.h"
+#include "tools/view/web_socket.h"
 
 namespace cliquevo::view {
 
@@ -21,9 +22,9 @@ struct SharedState {
 
 class PageSession final : public Session, public std::enable_shared_from_this<PageSession> {
  public:
-  PageSession(beast::tcp_stream&& stream, const Store& store, const PageContent& content, const SharedState& shared);
-  void accept(const HttpRequest& request) override;
-  // Sends what is due, if nothing is on its way.
+  PageSession(std::unique_ptr<WebSocket> socket, const Store& store, const PageContent& content,
+              const SharedState& shared);
+  void start() override;
   void pump() override;
   bool open() const override { return open_; }
   void close();
@@ -34,11 +35,10 @@ class PageSession final : public Session, public std::enable_shared_from_this<Pa
   void send(std::string message, bool text);
   std::optional<std::string> next_text();
 
-  WebSocket stream_;
+  const std::unique_ptr<WebSocket> socket_;
   const Store& store_;
   const PageContent& content_;
   const SharedState& shared_;
-  beast::flat_buffer buffer_;
   std::string outgoing_;
   bool open_ = false;
   bool writing_ = false;

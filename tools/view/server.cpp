@@ -9,6 +9,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "tools/view/beast.h"
 #include "tools/view/foxglove_session.h"
 #include "tools/view/page_files.h"
 #include "tools/view/page_session.h"
@@ -125,7 +126,7 @@ void Connection::read() {
 
 void Connection::answer() {
   const HttpRequest& request = parser_->get();
-  const bool upgrade = beast::websocket::is_upgrade(request);
+  const bool upgrade = asks_for_web_socket(request);
   const std::string method(request.method_string());
   const std::string target(request.target());
   const std::string host = view_of(request, http::field::host);
@@ -229,11 +230,13 @@ bool BeastServer::start_session(beast::tcp_stream&& stream, const HttpRequest& r
   if (sessions_.size() >= kMostPages) return false;
   update_shared();
   if (viewer) {
-    sessions_.push_back(std::make_shared<FoxgloveSession>(std::move(stream), topics_, version_));
+    auto socket = make_web_socket(std::move(stream), request, kMostFoxgloveBytes, kFoxgloveProtocol);
+    sessions_.push_back(std::make_shared<FoxgloveSession>(std::move(socket), topics_, version_));
   } else {
-    sessions_.push_back(std::make_shared<PageSession>(std::move(stream), store_, content_, shared_));
+    auto socket = make_web_socket(std::move(stream), request, kMostCommandBytes, "");
+    sessions_.push_back(std::make_shared<PageSession>(std::move(socket), store_, content_, shared_));
   }
-  sessions_.back()->accept(request);
+  sessions_.back()->start();
   return true;
 }
 
