@@ -48,12 +48,7 @@ Result<CameraCalibration> read_air_camera(const Document& file, const Document& 
     return ok.error();
   }
   if (auto ok = set_distortion(*lens, D, key.empty() ? yaml.path() : yaml.where(key), camera); !ok) return ok.error();
-  const auto size = file.image_size();
-  if (!size) return size.error();
-  if (*size) {
-    camera.width = (*size)->first;
-    camera.height = (*size)->second;
-  }
+  if (auto ok = set_image_size(file, camera); !ok) return ok.error();
   return camera;
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -146,6 +147,13 @@ Result<void> set_camera_matrix(const std::vector<double>& K, const std::string& 
   camera.fy_px = K[4];
   camera.cx_px = K[2];
   camera.cy_px = K[5];
+  return {};
+}
+
+Result<void> set_image_size(const Document& file, CameraCalibration& camera) {
+  const auto size = file.image_size();
+  if (!size) return size.error();
+  if (*size) std::tie(camera.width, camera.height) = **size;
   return {};
 }
 

@@ -11,6 +11,7 @@
 #include "core/base/camera_model.h"
 #include "core/base/result.h"
 #include "drivers/calibration/calibration.h"
+#include "drivers/calibration/document.h"
 
 namespace cliquevo::drivers {
 
@@ -49,6 +50,9 @@ bool is_lens_name(const std::string& name);
 
 // Focal lengths and principal point of a row-major 3x3 matrix that must be one of a pinhole camera without skew.
 Result<void> set_camera_matrix(const std::vector<double>& K, const std::string& where, CameraCalibration& camera);
+
+// The size that the file names; a camera of a file that names none keeps its own.
+Result<void> set_image_size(const Document& file, CameraCalibration& camera);
 
 // Pinhole projections (row-major 3x4) of the two rectified cameras to the model; width and height are left at 0.
 Result<StereoModel> model_from_projections(const std::vector<double>& P_left, const std::vector<double>& P_right,

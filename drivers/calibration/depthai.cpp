@@ -58,12 +58,7 @@ Result<Camera> read_depthai_camera(const Document& data) {
   if (auto ok = set_distortion(type == "1" ? "fisheye" : "", *D, data.where("distortionCoeff"), out.camera); !ok) {
     return ok.error();
   }
-  const auto size = data.image_size();
-  if (!size) return size.error();
-  if (*size) {
-    out.camera.width = (*size)->first;
-    out.camera.height = (*size)->second;
-  }
+  if (auto ok = set_image_size(data, out.camera); !ok) return ok.error();
   const auto extrinsics = data.inner("extrinsics");
   if (!extrinsics) return extrinsics.error();
   const auto pose = read_depthai_pose(*extrinsics);

@@ -57,12 +57,7 @@ Result<CameraCalibration> read_sensor(const Document& yaml) {
   }
   const std::vector<double> terms(K->begin(), K->begin() + static_cast<std::ptrdiff_t>(in_front));
   if (auto ok = set_model(model, terms, yaml.word("distortion_model"), D, yaml, camera); !ok) return ok.error();
-  const auto size = yaml.image_size();
-  if (!size) return size.error();
-  if (*size) {
-    camera.width = (*size)->first;
-    camera.height = (*size)->second;
-  }
+  if (auto ok = set_image_size(yaml, camera); !ok) return ok.error();
   return camera;
 }
 
@@ -89,12 +84,7 @@ Result<CameraCalibration> read_okvis_camera(const Document& yaml) {
   if (auto ok = set_distortion(yaml.word(key), D, yaml.where("distortion_coefficients"), camera); !ok) {
     return ok.error();
   }
-  const auto size = yaml.image_size();
-  if (!size) return size.error();
-  if (*size) {
-    camera.width = (*size)->first;
-    camera.height = (*size)->second;
-  }
+  if (auto ok = set_image_size(yaml, camera); !ok) return ok.error();
   return camera;
 }
 

@@ -41,12 +41,7 @@ Result<CameraParts> read_info(const Document& yaml) {
       yaml.numbers(required({"projection_matrix", "P", "p"}, "projection_matrix"), 12);
   if (!P) return P.error();
   parts.P = *P;
-  const auto size = yaml.image_size();
-  if (!size) return size.error();
-  if (*size) {
-    parts.camera.width = (*size)->first;
-    parts.camera.height = (*size)->second;
-  }
+  if (auto ok = set_image_size(yaml, parts.camera); !ok) return ok.error();
   return parts;
 }
 
