@@ -24,7 +24,7 @@ Result<daemon::Trajectory> read_reference(const std::string& path, const StereoC
 struct ReferenceAndEstimate {
   daemon::Trajectory reference;
   daemon::Trajectory estimate;
-  std::vector<Error> warnings;  // what was concluded, or cannot be told; printed as they are
+  std::vector<Error> warnings;  // what was concluded, or cannot be decided; printed as they are
 };
 Result<ReferenceAndEstimate> read_compared(const std::string& reference, const std::string& estimate,
                                            bool frame_is_stated);

@@ -54,8 +54,9 @@ Result<std::unique_ptr<view::Feed>> open_feed(const ViewArguments& arguments, co
   if (!pipeline) return pipeline.error();
   // Where the configuration says how the camera sits, that; else what the source knows.
   const daemon::Mounting& body = config.body;
-  const bool told = body.translation_m != Eigen::Vector3d::Zero() || body.roll_pitch_yaw_deg != Eigen::Vector3d::Zero();
-  const auto T_body_camera = told ? std::optional(config.T_body_camera) : (*source)->info().T_body_camera;
+  const bool given =
+      body.translation_m != Eigen::Vector3d::Zero() || body.roll_pitch_yaw_deg != Eigen::Vector3d::Zero();
+  const auto T_body_camera = given ? std::optional(config.T_body_camera) : (*source)->info().T_body_camera;
   return view::make_pipeline_feed(std::move(*source), std::move(*pipeline), T_body_camera);
 }
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Formats of trajectory files that need no heading: told by the count of words, the commas and the stamp.
+// Formats of trajectory files that need no heading: recognised by the count of words, the commas and the stamp.
 #pragma once
 
 #include "daemon/pipeline/pose_row.h"

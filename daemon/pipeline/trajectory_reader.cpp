@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Reads trajectory files of every format: which it is, is told once, then each row is read so.
+// Reads trajectory files of every format: recognised once, then each row is read so.
 #include <algorithm>
 #include <cerrno>
 #include <cstring>

@@ -119,7 +119,7 @@ Result<KeyedPose> parallel_pose(const Keys& keys, const CameraParts& left, const
   return KeyedPose{{Eigen::Matrix3d::Identity(), {-**baseline, 0.0, 0.0}}, true, {}};
 }
 
-// What the file has besides two cameras and their pose: told, or refused where it would be ignored.
+// What the file has besides two cameras and their pose: noted, or refused where it would be ignored.
 Result<void> look_around(const Keys& keys, const std::string& path, std::vector<std::string>& notes) {
   if (keys.poses_are_of_others()) {
     return Error{fmt::format("calibration is of {} cameras, and its poses are of pairs", keys.cameras()), path,

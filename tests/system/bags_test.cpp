@@ -115,8 +115,8 @@ TEST(Bags, ATornBagPlaysUpToItsLastWholeMessage) {
     const std::size_t pairs = lines_of(played).size();
     EXPECT_GE(pairs, 6u) << path;
     EXPECT_LT(pairs, static_cast<std::size_t>(kPairs)) << path;
-    const Finished told = run({binary("cliquevo"), "info", path});
-    EXPECT_NE(told.out.find("cut off"), std::string::npos) << told.out;
+    const Finished said = run({binary("cliquevo"), "info", path});
+    EXPECT_NE(said.out.find("cut off"), std::string::npos) << said.out;
   }
 }
 

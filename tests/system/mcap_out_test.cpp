@@ -321,9 +321,9 @@ TEST(McapOut, WhatAKilledWriterLeftIsPlayed) {
   }
   writer.send(SIGKILL);
   writer.wait();
-  const Finished told = run({binary("cliquevo"), "info", out, "--json"});
-  ASSERT_EQ(told.exit_code, 0) << told.err;
-  EXPECT_GE(json::parse(told.out)["played"]["pairs"].get<int>(), 15);
+  const Finished said = run({binary("cliquevo"), "info", out, "--json"});
+  ASSERT_EQ(said.exit_code, 0) << said.err;
+  EXPECT_GE(json::parse(said.out)["played"]["pairs"].get<int>(), 15);
 }
 
 }  // namespace

@@ -108,7 +108,7 @@ Result<CalibrationResult> solve_views(const CalibrateArguments& arguments, const
   options.square_pixels = arguments.square_pixels;
   options.progress = [page](const std::string& step) {
     fmt::print(stderr, "solving: {}\n", step);
-    if (page != nullptr) page->tell("solving", step);
+    if (page != nullptr) page->set_phase("solving", step);
   };
   auto solution = calibration::solve(board, collected.views, info.width, info.height, options);
   if (!solution) return solution.error();
@@ -145,7 +145,7 @@ Result<CalibrationResult> calibrate_guided(const CalibrateArguments& arguments, 
                                            : solve_views(arguments, board, info, std::move(*collected), page);
     if (result || last) return result;
     fmt::print(stderr, "{}\n", result.error().line());
-    if (page != nullptr) page->tell("looking", result.error().line());
+    if (page != nullptr) page->set_phase("looking", result.error().line());
   }
 }
 
@@ -205,8 +205,9 @@ int run_with_board(const CalibrateArguments& arguments, const calibration::Board
   const auto result = calibrate(arguments, board, *config, **source, page->get());
   const auto written = result ? write_result(arguments, *result) : Result<void>(result.error());
   if (*page) {
-    (*page)->tell(written ? "done" : "failed",
-                  written ? fmt::format("{}{}: written", summary_of(*result), arguments.out) : written.error().line());
+    (*page)->set_phase(
+        written ? "done" : "failed",
+        written ? fmt::format("{}{}: written", summary_of(*result), arguments.out) : written.error().line());
     (*page)->linger();
   }
   if (!written) return report(written.error());

@@ -120,8 +120,8 @@ class Capture::Lines {
   std::size_t views_ = 0;
 };
 
-struct Capture::Eyes {
-  explicit Eyes(const calibration::Board& board) : detector(board) {}
+struct Capture::BoardFinder {
+  explicit BoardFinder(const calibration::Board& board) : detector(board) {}
 
   Look look(const drivers::StereoPair& pair) {
     Look out;
@@ -163,27 +163,27 @@ Capture::Capture(drivers::FrameSource& source, const calibration::Board& board, 
     : board_(board),
       guide_(board, source.info().width, source.info().height, options),
       page_(page),
-      eyes_(std::make_unique<Eyes>(board)),
+      finder_(std::make_unique<BoardFinder>(board)),
       pairs_(std::make_unique<Pairs>(source)),
       lines_(std::make_unique<Lines>()) {}
 Capture::~Capture() = default;
 
 void Capture::look_at(const drivers::StereoPair& pair) {
   ++out_.pairs;
-  const Look look = eyes_->look(pair);
+  const Look look = finder_->look(pair);
   Refusal refusal = guide_.judge(look);
   const bool wanted = page_ != nullptr && page_->take_wanted() && refusal != Refusal::no_board;
   if (page_ != nullptr && page_->drop_wanted()) guide_.drop_last();
   if (refusal == Refusal::none || wanted) {
-    guide_.take(eyes_->refined(pair, look.view));
+    guide_.take(finder_->refined(pair, look.view));
     refusal = Refusal::none;
   } else if (refusal == Refusal::no_board) {
     ++out_.without;
-    if (guide_.views().empty() && out_.guess.empty() && eyes_->guesses++ < kGuesses) {
-      out_.guess = eyes_->detector.nearest_guess(pair.left.cview());
+    if (guide_.views().empty() && out_.guess.empty() && finder_->guesses++ < kGuesses) {
+      out_.guess = finder_->detector.nearest_guess(pair.left.cview());
     }
   } else {
-    if (guide_.improves_last(look, refusal)) guide_.improve_last(eyes_->refined(pair, look.view));
+    if (guide_.improves_last(look, refusal)) guide_.improve_last(finder_->refined(pair, look.view));
     ++(refusal == Refusal::alike ? out_.alike : out_.moving);
   }
   if (page_ != nullptr) page_->show(pair, look, refusal, guide_);

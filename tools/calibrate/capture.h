@@ -33,8 +33,8 @@ class Capture {
   calibration::Board board_;
   Guide guide_;
   CapturePage* page_;
-  struct Eyes;
-  std::unique_ptr<Eyes> eyes_;
+  struct BoardFinder;
+  std::unique_ptr<BoardFinder> finder_;
   std::unique_ptr<Pairs> pairs_;
   std::unique_ptr<Lines> lines_;
   Collected out_;

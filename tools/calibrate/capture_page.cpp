@@ -125,7 +125,7 @@ void CapturePage::show(const drivers::StereoPair& pair, const Look& look, Refusa
   if (refusal == Refusal::none && phase_ == "looking") text_.clear();  // what was missing may be there now
 }
 
-void CapturePage::tell(const std::string& phase, const std::string& text) {
+void CapturePage::set_phase(const std::string& phase, const std::string& text) {
   const std::lock_guard lock(mutex_);
   phase_ = phase;
   text_ = text;

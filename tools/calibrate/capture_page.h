@@ -30,7 +30,7 @@ class CapturePage {
   // One thread calls all that follows.
   void show(const drivers::StereoPair& pair, const Look& look, Refusal refusal, const Guide& guide);
   // looking, solving, done, failed; what there is to say about it.
-  void tell(const std::string& phase, const std::string& text);
+  void set_phase(const std::string& phase, const std::string& text);
   // Whether a button was pressed since the last call.
   bool take_wanted() { return take_.exchange(false); }
   bool drop_wanted() { return drop_.exchange(false); }

@@ -41,7 +41,7 @@ class Feed {
   virtual FeedState state() const = 0;
 };
 
-// Messages of a daemon. T_body_camera: as far as no message tells it. Fails where there is no route, in one line.
+// Messages of a daemon. T_body_camera: as far as no message states it. Fails where there is no route, in one line.
 Result<std::unique_ptr<Feed>> open_lcm_feed(const std::string& url, const RigidTransform& T_body_camera);
 
 }  // namespace cliquevo::view

@@ -14,7 +14,7 @@
 
 namespace cliquevo::view {
 
-// What all pages are told, made once for all of them.
+// What all pages get, made once for all of them.
 struct SharedState {
   std::shared_ptr<const std::string> state;
   std::shared_ptr<const std::string> mask;

@@ -41,7 +41,7 @@ class Ros2Writer {
   TimestampNs last_ns_ = 0;  // of the last odometry
 };
 
-// The camera that VO_IMAGES tells; none where it tells none that can be.
+// The camera that VO_IMAGES describes; none where it describes none that can be.
 std::optional<StereoModel> camera_of(const image_t& image);
 
 }  // namespace cliquevo::view

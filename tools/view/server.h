@@ -21,15 +21,15 @@ struct ServerOptions {
   std::uint16_t port = 8470;  // 0: any that is free
   // Origins of pages that may connect as viewers, e.g. "http://localhost:8080".
   std::vector<std::string> viewer_origins;
-  std::string version;  // which viewers are told
+  std::string version;  // sent to viewers
 };
 
-// What the server tells pages beside frames. Called on the server's thread; none may wait.
+// What the server sends pages beside frames. Called on the server's thread; none may wait.
 struct PageContent {
   std::function<std::string()> hello;  // JSON object, once a page
   // JSON object; pages get it when its text has changed.
   std::function<std::string()> state;
-  // JSON object; pages get it when it is another one. nullptr: nothing to tell.
+  // JSON object; pages get it when it is another one. nullptr: nothing to send.
   std::function<std::shared_ptr<const std::string>()> mask;
   // What /metrics answers, in Prometheus' text format.
   std::function<std::string()> metrics;

@@ -27,7 +27,7 @@ using nlohmann::json;
 constexpr std::size_t kMostRecords = 120'000;     // an hour at 30 Hz, some 80 MB
 constexpr std::size_t kMostLiveRecords = 18'000;  // ten minutes
 
-// Tells the daemon to record, on a thread of its own: it may take a while to answer.
+// Has the daemon record, on a thread of its own: it may take a while to answer.
 class RecordSwitch {
  public:
   explicit RecordSwitch(std::string socket) : socket_(std::move(socket)) {}
@@ -73,7 +73,7 @@ std::string hello(const Feed& feed, const ViewOptions& options) {
 }
 
 // The message of the mask, made anew when there is another one.
-class MaskTeller {
+class MaskMessage {
  public:
   std::shared_ptr<const std::string> message(const Feed& feed) {
     auto mask = feed.state().mask;
@@ -119,7 +119,7 @@ void open_browser(const std::string& address) {
 }  // namespace
 
 Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
-                      const std::function<void(const std::string& address)>& told,
+                      const std::function<void(const std::string& address)>& announce,
                       const std::function<bool()>& stopped) {
   auto store = Store::make(options.keep_mb << 20, feed->live() ? kMostLiveRecords : kMostRecords);
   if (!store) return store.error();
@@ -128,7 +128,7 @@ Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
   PageContent content;
   content.hello = [&] { return hello(*feed, options); };
   content.state = [&] { return state(*feed, **store, recording); };
-  MaskTeller mask;
+  MaskMessage mask;
   content.mask = [&] { return mask.message(*feed); };
   content.metrics = [&] { return metrics_text(feed->state(), options.version); };
   content.command = [&](PageCommand::What what) {
@@ -149,7 +149,7 @@ Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
     });
     ended = true;
   });
-  told((*server)->address());
+  announce((*server)->address());
   if (options.open_browser) open_browser((*server)->address());
   (*server)->run([&] { return stopped() || (ended.load() && !outcome); });
   ending = true;

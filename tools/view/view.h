@@ -20,9 +20,9 @@ struct ViewOptions {
   bool open_browser = false;
 };
 
-// Serves until `stopped`; `told` gets the address once pages may come.
+// Serves until `stopped`; `announce` gets the address once pages may come.
 Result<void> run_view(std::unique_ptr<Feed> feed, const ViewOptions& options,
-                      const std::function<void(const std::string& address)>& told,
+                      const std::function<void(const std::string& address)>& announce,
                       const std::function<bool()>& stopped);
 
 }  // namespace cliquevo::view
