@@ -64,7 +64,7 @@ Result<CameraCalibration> read_vins_camera(const Document& file) {
   camera.cx_px = K[2];
   camera.cy_px = K[3];
   if (auto set = set_distortion(name, D, file.where("model_type"), camera); !set) return set.error();
-  if (auto ok = set_image_size(file, camera); !ok) return ok.error();
+  if (auto sized = set_image_size(file, camera); !sized) return sized.error();
   return camera;
 }
 
