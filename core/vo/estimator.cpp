@@ -313,7 +313,7 @@ void Estimator::judge(const FramePair& pair, Comparison& out) {
   out.checks[Check::disparities] = check_disparities(found, pair.noise, params_);
   const Matrix6d covariance = uncertainty(found, references_.size() > 1, params_, pair.check, scratch_);
   out.checks[Check::uncertainty] = check_uncertainty(found, covariance, params_);
-  out.motion.covariance = speed_factor(found) * covariance;
+  out.motion.covariance = doubt_factor(found, pair.noise, out.checks[Check::running_ground]) * covariance;
   const int explained =
       other_finder_.find(pair.reference, pair.current, matches_, pairs_, out.motion, clique_finder_, solver_, others_);
   out.checks[Check::rival] = check_rival(explained);

@@ -8,10 +8,7 @@ namespace cliquevo::vo {
 
 namespace {
 
-constexpr double kMemory = 60.0;  // frames
-// Patch alignment errs by this much on perfect images too (interpolation, the surface's curvature), px; measured on
-// the simulator and on recordings as what is left of the reprojection error where rows do not scatter.
-constexpr double kAlignmentError_px = 0.13;
+constexpr double kMemory = 60.0;          // frames
 constexpr double kErrorPerScatter = 1.5;  // the same patches over time, beside left and right at once
 constexpr double kFirstScatter_px = 0.1;  // before anything was measured
 constexpr double kFirstShift_px = 0.15;   // of a camera of which nothing is known, worth so many frames:
@@ -22,7 +19,9 @@ constexpr double kDeflation = 4.0;            // neighbouring patches err alike:
 constexpr double kTellingVariance = 0.05;     // px^2: readings that know less count less
 constexpr double kMostShift_px = 3.0;         // a larger one is no flexing rig
 constexpr double kNewsOfThisFrame = 9.0;      // variances from which on a frame's own reading widens the prior
-constexpr double kRowNoise = 0.04;            // px, of a frame's median row
+// On rough cameras the normalised error squared of a first motion is 9, of the second 6, of those from the third on 4.
+constexpr double kUnsettled = 2.0;  // of a first motion's variance beyond a settled one's
+constexpr double kRowNoise = 0.04;  // px, of a frame's median row
 
 double reading_variance(const Motion& motion) {
   return kShiftModelError_px * kShiftModelError_px + kDeflation / motion.shift_information;
@@ -37,6 +36,7 @@ void CameraNoise::reset() {
   views_ = 0.0;
   shift_variance_ = kFirstShift_px * kFirstShift_px;
   motions_ = kFirstFrames;
+  valid_ = 0;
 }
 
 void CameraNoise::add_views(const Frame& frame) {
@@ -49,6 +49,7 @@ void CameraNoise::add_views(const Frame& frame) {
 }
 
 void CameraNoise::add_motion(const Motion& motion) {
+  ++valid_;
   if (!(motion.shift_information > 0.0) || !std::isfinite(motion.free_shift_px)) return;
   const double reading = std::clamp(motion.free_shift_px, -kMostShift_px, kMostShift_px);
   const double variance = reading_variance(motion);
@@ -76,6 +77,8 @@ double CameraNoise::shift_news(const Motion& motion) const {
   const double sigma = shift_sigma_px();
   return motion.free_shift_px * motion.free_shift_px / (sigma * sigma + reading_variance(motion));
 }
+
+double CameraNoise::unsettled() const { return 1.0 + kUnsettled / (1.0 + valid_); }
 
 double CameraNoise::row_shift_px(const Frame& frame) const {
   const double excess = std::max(0.0, row_shift_variance_ - kRowNoise * kRowNoise);

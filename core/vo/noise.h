@@ -10,6 +10,10 @@ namespace cliquevo::vo {
 
 class CameraNoise {
  public:
+  // Patch alignment errs by this much on perfect images too (interpolation, the surface's curvature), px; measured on
+  // the simulator and on recordings as what is left of the reprojection error where rows do not scatter.
+  static constexpr double kAlignmentError_px = 0.13;
+
   CameraNoise() { reset(); }
   void reset();
 
@@ -27,6 +31,8 @@ class CameraNoise {
   double shift_sigma_px(const Motion& first) const;
   // How far the frame's own reading of it lies outside what is known of the camera, in variances.
   double shift_news(const Motion& motion) const;
+  // By how much a motion's variance grows while little is known of this camera; 1 in the end.
+  double unsettled() const;
   // Rows by which this frame's right image is lower than the calibration has it, as far as that exceeds noise.
   double row_shift_px(const Frame& frame) const;
   // RMS difference of grey levels between corresponding patches of one moment, after gain and bias.
@@ -38,7 +44,8 @@ class CameraNoise {
   double grey_levels_ = 0.0;
   double views_ = 0.0;           // frames that count
   double shift_variance_ = 0.0;  // px^2, less the part that noise explains
-  double motions_ = 0.0;
+  double motions_ = 0.0;         // what they weigh
+  int valid_ = 0;                // how many they were
 };
 
 }  // namespace cliquevo::vo

@@ -34,6 +34,9 @@ constexpr double kRollingFactor = 3.0;
 // Where no motion before the reference is known, its rows are straightened by the motion to be found alone: the
 // reference's own speed, and how it changed, are open (first frames, and the first after a gap).
 constexpr double kUnknownSpeedFactor = 3.0;
+// Of the variance by surfaces that change, the fourth power of the check's ratio times this: nothing below half of what
+// is allowed, where right and wrong motions are alike, and three times as much at the bound.
+constexpr double kChangingGround = 1.2;
 constexpr double kHalfKnown = 1.0;  // ratio of the check on uncertainty at which the quality is 50
 
 double noise_factor(const CheckInput& f, bool beside_key, const VoParams& params) {
@@ -97,6 +100,17 @@ double light_factor(const CheckInput& f, std::vector<float>& scratch) {
   return 1.0 + light * light;
 }
 
+// A rolling shutter's motion where none is known before its reference.
+double speed_factor(const CheckInput& f) {
+  return f.model.readout_s > 0.0 && !f.speed_known ? kUnknownSpeedFactor : 1.0;
+}
+
+// Surfaces that change almost as much as is refused may move with the features on them.
+double ground_factor(const Evidence& running_ground) {
+  const double ratio = kChangingGround * std::min(1.0, running_ground.ratio());
+  return 1.0 + ratio * ratio * ratio * ratio;
+}
+
 }  // namespace
 
 Matrix6d uncertainty(const CheckInput& f, bool beside_key, const VoParams& params, const SelfCheck& check,
@@ -114,8 +128,11 @@ Matrix6d uncertainty(const CheckInput& f, bool beside_key, const VoParams& param
   return covariance;
 }
 
-double speed_factor(const CheckInput& f) {
-  return f.model.readout_s > 0.0 && !f.speed_known ? kUnknownSpeedFactor : 1.0;
+double doubt_factor(const CheckInput& f, const CameraNoise& noise, const Evidence& running_ground) {
+  double factor = noise.unsettled();
+  factor *= speed_factor(f);
+  factor *= ground_factor(running_ground);
+  return factor;
 }
 
 Matrix6d with_error_taken_back(const Matrix6d& covariance, const Matrix6d& before) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/vo/checks.h"
+#include "core/vo/noise.h"
 #include "core/vo/self_check.h"
 
 namespace cliquevo::vo {
@@ -15,10 +16,10 @@ namespace cliquevo::vo {
 Matrix6d uncertainty(const CheckInput& input, bool beside_key, const VoParams& params, const SelfCheck& check,
                      std::vector<float>& scratch);
 
-// By which the covariance of a rolling shutter's motion is larger where no motion before its reference is known. Beside
-// the above, not in it: a first frame is no worse for it, only less certain, and refusing it leaves a longer gap to the
-// next one, which would be less certain still.
-double speed_factor(const CheckInput& input);
+// By which the published covariance is larger than that: what may be wrong with a motion that is known well by all that
+// was seen. Beside the above, not in it: a first frame is no worse for it, only less certain, and refusing it leaves a
+// longer gap to the next one, which would be less certain still. `running_ground`: the check's evidence.
+double doubt_factor(const CheckInput& input, const CameraNoise& noise, const Evidence& running_ground);
 // Beside a kept reference the current frame may be better known than it was known where the previous one is: the
 // motion between them then takes back the previous frame's error, and its covariance has both. `before`: covariance of
 // the previous frame's motion, as a perturbation of this one's.

@@ -59,18 +59,53 @@ TEST(Checks, AnImageThatRepeatsItselfBitForBitFailsHoweverLittleMoved) {
   EXPECT_TRUE(check_hanging_camera(input, seen.noise, seen.scratch).fails());
 }
 
+// A camera of which much was learned.
+CameraNoise settled() {
+  CameraNoise noise;
+  for (int i = 0; i < 100'000; ++i) noise.add_motion({});
+  return noise;
+}
+
 TEST(Uncertainty, OfARollingShutterIsLargerWhereTheSpeedBeforeIsNotKnown) {
   Seen seen;
+  const CameraNoise noise = settled();
   StereoModel rolling = kModel;
   rolling.readout_s = 0.02;
   const auto factor = [&](const StereoModel& model, bool known) {
     CheckInput input{seen.motion, seen.observations, seen.references, model, 100};
     input.speed_known = known;
-    return speed_factor(input);
+    return doubt_factor(input, noise, {});
   };
   EXPECT_GT(factor(rolling, false), 2.0);
-  EXPECT_EQ(factor(rolling, true), 1.0);
-  EXPECT_EQ(factor(kModel, false), 1.0) << "all rows at once";
+  EXPECT_NEAR(factor(rolling, true), 1.0, 1e-4);
+  EXPECT_NEAR(factor(kModel, false), 1.0, 1e-4) << "all rows at once";
+}
+
+TEST(Uncertainty, OfFirstMotionsIsLarger) {
+  Seen seen;
+  CameraNoise noise;
+  double before = doubt_factor(seen.input(), noise, {});
+  EXPECT_EQ(before, 3.0);
+  for (int i = 0; i < 3; ++i) {
+    noise.add_motion({});
+    const double now = doubt_factor(seen.input(), noise, {});
+    EXPECT_LT(now, before);
+    EXPECT_GT(now, 1.0);
+    before = now;
+  }
+  noise.reset();
+  EXPECT_EQ(doubt_factor(seen.input(), noise, {}), 3.0) << "another camera";
+}
+
+TEST(Uncertainty, GrowsWhereSurfacesChangeNearlyAsMuchAsIsRefused) {
+  Seen seen;
+  const CameraNoise noise = settled();
+  const auto factor = [&](double ratio) { return doubt_factor(seen.input(), noise, {4.0 * ratio, 4.0, true}); };
+  EXPECT_NEAR(factor(0.0), 1.0, 1e-4);
+  EXPECT_LT(factor(0.4), 1.1);
+  EXPECT_GT(factor(0.8), 1.5);
+  EXPECT_GT(factor(1.0), 3.0);
+  EXPECT_EQ(factor(50.0), factor(1.0)) << "refused anyhow";
 }
 
 TEST(Checks, TooFewInliersFail) {
