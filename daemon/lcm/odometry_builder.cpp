@@ -7,6 +7,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
+#include "core/vo/noise.h"
 #include "daemon/lcm/messages.h"
 
 namespace cliquevo::daemon {
@@ -64,9 +65,10 @@ PoseCovariance::PoseCovariance()
 
 // The errors of motion k are L_k / sqrt(c_k) (sqrt(n_k) x_k - sqrt(n_k-1) x_k-1 + sqrt(n_k) y_k), where L_k L_k^T is
 // its covariance and c_k its size, n_k the noise of its last image, x_k white, and y_k a little of a Gauss-Markov
-// process: their joint covariance is exact, so that what comes of it is one.
+// process: their joint covariance is exact, so that what comes of it is one. Of a noisy camera's own part the white
+// share is taken back in the end, and only `lasting` of it is added up.
 void PoseCovariance::add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved, const Matrix6d& delta,
-                         Motion motion) {
+                         double lasting, Motion motion) {
   // p = p0 + R0 t, R = R0 dR; the delta's perturbation (a, b) makes t + a + b x t and exp(b) dR of them.
   Matrix6d F = Matrix6d::Identity();
   F.topRightCorner<3, 3>() = -cross(R_before * moved);
@@ -91,10 +93,17 @@ void PoseCovariance::add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d&
   const double size = size_of(root.matrixL());
   last_noise_ = 0.5 * std::max(size - last_noise_, kLeastNew * size);
   const Matrix6d own = std::sqrt(last_noise_ / size) * G * Matrix6d(root.matrixL());
-  const Matrix6d with_pose = std::sqrt(kShared) * in_common * own.transpose();
-  lasting_ = F * lasting_ * F.transpose() + own * own.transpose() + with_pose + with_pose.transpose();
-  shared_ = in_common + std::sqrt(kShared) * own;
+  const Matrix6d of_many = std::sqrt(kShared * lasting) * own;
+  const Matrix6d with_pose = in_common * of_many.transpose();
+  lasting_ = F * lasting_ * F.transpose() + lasting * own * own.transpose() + with_pose + with_pose.transpose();
+  shared_ = in_common + of_many;
   matrix_ = lasting_ + own * own.transpose();
+}
+
+double PoseCovariance::lasting_part(double expected_error_px) {
+  const double ratio = expected_error_px / vo::CameraNoise::kAlignmentError_px;
+  const double image_noise = std::max(0.0, ratio * ratio - 1.0);
+  return std::min(1.0, kLasting / (1.0 + kWhite * image_noise * image_noise));
 }
 
 OdometryBuilder::OdometryBuilder(const RigidTransform& T_body_camera)
@@ -119,7 +128,8 @@ void OdometryBuilder::follow(const vo::Estimate& e) {
   const Matrix6d delta = adjoint_body_camera_ * e.covariance * adjoint_body_camera_.transpose();
   State now{body_pose(e), valid_->covariance, e.stamp_ns};
   using Motion = PoseCovariance::Motion;
-  now.covariance.add(valid_->T_odom_body.R, T.t, delta, guessed_ ? Motion::after_gap : Motion::next);
+  now.covariance.add(valid_->T_odom_body.R, T.t, delta, PoseCovariance::lasting_part(e.expected_error_px),
+                     guessed_ ? Motion::after_gap : Motion::next);
   if (guessed_ && is_jump(now)) ++reset_counter_;
   const double dt_s = std::max(1e-6, static_cast<double>(e.stamp_ns - e.prev_stamp_ns) * 1e-9);
   twist_.velocity = T.R.transpose() * T.t / dt_s;
@@ -140,7 +150,7 @@ void OdometryBuilder::carry_on(const vo::Estimate& e, bool usable) {
   const Eigen::Matrix3d& R = valid_->T_odom_body.R;
   const Eigen::Vector3d moved = R.transpose() * (now.T_odom_body.t - valid_->T_odom_body.t);
   const Matrix6d guess = usable ? e.covariance : Matrix6d::Identity() * kUnknownVariance;
-  now.covariance.add(R, moved, adjoint_body_camera_ * guess * adjoint_body_camera_.transpose(),
+  now.covariance.add(R, moved, adjoint_body_camera_ * guess * adjoint_body_camera_.transpose(), 1.0,
                      PoseCovariance::Motion::guess);
   twist_.covariance = Matrix6d::Identity() * kUnknownVariance;
   shown_ = now;

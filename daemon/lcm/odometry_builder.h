@@ -20,6 +20,11 @@ namespace cliquevo::daemon {
 // with equal covariances each part has a third: successive errors correlate by -1/3. A blurred picture makes the
 // covariance of two motions large, and about half of what it adds to the pose is gone with the second.
 inline constexpr double kLeastNew = 0.1;  // share of a motion's variance, at least, that is not of the image before
+// Noise of the image is taken back but for a small part; that of alignment, which depends on the surfaces, is not. With
+// (expected error / that of alignment)^2 - 1 = x, the lasting part of a motion's own variance is kLasting / (1 + kWhite
+// x^2): all of it on a clean camera, four tenths on a webcam.
+inline constexpr double kWhite = 0.6;
+inline constexpr double kLasting = 1.03;
 // The same features on the same surfaces, and what is left of the calibration's errors: a share kShared of the variance
 // of each motion's own part is of errors that many motions have in common, and that fade over kSharedMotions of them.
 inline constexpr double kShared = 0.0105;
@@ -37,8 +42,12 @@ class PoseCovariance {
   PoseCovariance();  // of a start: as good as exact
 
   // A motion by `moved` in the body's frame, which stood along R_before. `delta`: covariance of a perturbation on the
-  // motion's left. What this gives is the covariance of errors that can be: it is positive definite whatever is added.
-  void add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved, const Matrix6d& delta, Motion motion);
+  // motion's left. `lasting`: the part of its own variance that later motions do not take back (lasting_part()). What
+  // this gives is the covariance of errors that can be: it is positive definite whatever is added.
+  void add(const Eigen::Matrix3d& R_before, const Eigen::Vector3d& moved, const Matrix6d& delta, double lasting,
+           Motion motion);
+  // expected_error_px: of reprojection, as the camera's noise has it; 0 where nothing is known of it.
+  static double lasting_part(double expected_error_px);
   const Matrix6d& matrix() const { return matrix_; }
 
  private:

@@ -121,7 +121,7 @@ TEST(OdometryBuilder, TheCovarianceIsOneHoweverMuchSuccessiveMotionsDiffer) {
     }
     const double scale = std::pow(10.0, -4.0 * (i % 3) - 4.0);
     const RigidTransform T = step();
-    covariance.add(so3_exp({0.0, 0.1 * i, 0.0}), T.t, scale * root * root.transpose(),
+    covariance.add(so3_exp({0.0, 0.1 * i, 0.0}), T.t, scale * root * root.transpose(), i % 3 == 0 ? 0.01 : 1.0,
                    i % 17 != 0 ? PoseCovariance::Motion::next : PoseCovariance::Motion::after_gap);
     const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(covariance.matrix());
     EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0) << i;
@@ -141,13 +141,34 @@ TEST(OdometryBuilder, WhatABlurredPictureAddsIsTakenBackInPart) {
     const bool blur = i == 50 || i == 51;  // both motions that the picture is in
     const Eigen::Matrix3d R = Eigen::Matrix3d::Identity();
     const Eigen::Vector3d t = Eigen::Vector3d::Zero();
-    sharp.add(R, t, usual, PoseCovariance::Motion::next);
-    blurred.add(R, t, blur ? 100.0 * usual : usual, PoseCovariance::Motion::next);
+    sharp.add(R, t, usual, 1.0, PoseCovariance::Motion::next);
+    blurred.add(R, t, blur ? 100.0 * usual : usual, 1.0, PoseCovariance::Motion::next);
     added.push_back(blurred.matrix().trace() - sharp.matrix().trace());
   }
   EXPECT_EQ(added[49], 0.0);
   EXPECT_GT(added[50], 95.0 * usual.trace());
   EXPECT_LT(added[52], 0.8 * added[50]);  // of 200 that both motions have
+}
+
+TEST(OdometryBuilder, OfANoisyCamerasVarianceLessLasts) {
+  EXPECT_EQ(PoseCovariance::lasting_part(0.13), 1.0);
+  EXPECT_EQ(PoseCovariance::lasting_part(0.0), 1.0) << "nothing is known of it";
+  EXPECT_GT(PoseCovariance::lasting_part(0.145), 0.95);
+  EXPECT_LT(PoseCovariance::lasting_part(0.21), 0.5);
+  PoseCovariance clean;
+  PoseCovariance noisy;
+  const Matrix6d usual = 1e-6 * Matrix6d::Identity();
+  const Eigen::Vector3d t = Eigen::Vector3d::Zero();
+  double before = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    clean.add(Eigen::Matrix3d::Identity(), t, usual, 1.0, PoseCovariance::Motion::next);
+    noisy.add(Eigen::Matrix3d::Identity(), t, usual, 0.4, PoseCovariance::Motion::next);
+    if (i % 20 != 19) continue;
+    EXPECT_GT(noisy.matrix().trace(), 1.02 * before);
+    before = noisy.matrix().trace();
+  }
+  EXPECT_LT(noisy.matrix().trace(), 0.45 * clean.matrix().trace());
+  EXPECT_GT(noisy.matrix().trace(), 0.39 * clean.matrix().trace());
 }
 
 TEST(OdometryBuilder, AFailureGrowsTheCovarianceAndAValidFrameSpansIt) {
