@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "drivers/calibration/checks.h"
-#include "drivers/calibration/formats.h"
+#include "drivers/calibration/format.h"
 #include "drivers/calibration/zip_archive.h"
 
 namespace cliquevo::drivers {

@@ -43,6 +43,19 @@ struct CalibrationFormat {
 // In the order in which a file is tried.
 std::span<const CalibrationFormat> calibration_formats();
 
+// Formats that others read too. Whatever names its matrices: OpenCV, ORB-SLAM, stella_vslam.
+bool is_keyed(const CalibrationText& file);
+Result<StereoCalibration> read_keyed(const CalibrationText& file, const CalibrationRequest& request,
+                                     const OtherFile& other);
+// Texts that ROS's calibrator printed, whatever their file's name.
+bool is_ost(const CalibrationText& file);
+Result<StereoCalibration> read_ost(const CalibrationText& file, const CalibrationRequest& request,
+                                   const OtherFile& other);
+// No format of its own: a camera alone. The other one's file and the pose are looked for beside it.
+bool is_one_camera(const CalibrationText& file);
+Result<StereoCalibration> read_one_camera(const CalibrationText& file, const CalibrationRequest& request,
+                                          const OtherFile& other);
+
 // Whether a text without syntax names matrices as programs print them.
 bool names_printed_matrices(const CalibrationText& file);
 // The text of a file that may be a calibration; of NumPy's archives (.npz) the bytes.

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "drivers/calibration/checks.h"
-#include "drivers/calibration/formats.h"
+#include "drivers/calibration/format.h"
 
 namespace cliquevo::drivers {
 

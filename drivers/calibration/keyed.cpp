@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "drivers/calibration/baseline.h"
-#include "drivers/calibration/formats.h"
+#include "drivers/calibration/format.h"
 #include "drivers/calibration/keyed_parts.h"
 #include "drivers/calibration/keyed_pose.h"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // maplab's sensors: of a list the one that is an NCAMERA, whose cameras name their matrices.
-#include "drivers/calibration/formats.h"
+#include "drivers/calibration/format.h"
 
 namespace cliquevo::drivers {
 

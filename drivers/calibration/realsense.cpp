@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "drivers/calibration/camera_parts.h"
-#include "drivers/calibration/formats.h"
+#include "drivers/calibration/format.h"
 
 namespace cliquevo::drivers {
 

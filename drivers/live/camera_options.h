@@ -71,7 +71,7 @@ Result<SourceInfo> live_source_info(const CameraOptions& options, int width, int
 
 // A camera that can be seen.
 struct SeenCamera {
-  std::string family;  // aravis, v4l2, libcamera: source.type
+  std::string family;  // as in source.type: v4l2
   std::string id;      // what source.cameras.left takes
   std::string description;
   std::vector<std::string> formats;  // where they are known without opening it

@@ -168,6 +168,16 @@ std::string calibration_between(const std::string& folder, const std::string& to
   }
 }
 
+// Each in its own file.
+Result<std::optional<Layout>> find_euroc(const std::string& path);
+Result<std::optional<Layout>> find_kitti_raw(const std::string& path);
+Result<std::optional<Layout>> find_kitti_odometry(const std::string& path);
+Result<std::optional<Layout>> find_two_folders(const std::string& path);
+Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path);
+Result<std::optional<Layout>> find_side_by_side(const std::string& path);  // where the halves are seen to match
+Result<std::optional<Layout>> find_single_side(const std::string& path);   // only ever an error: the other is missing
+
+// The more particular before find_two_folders, which takes nearly anything.
 const std::vector<LayoutKind>& layout_kinds() {
   static const std::vector<LayoutKind> kinds{
       {"EuRoC (mav0/cam0, mav0/cam1)", find_euroc},

@@ -38,22 +38,15 @@ struct Layout {
   std::vector<std::string> notes;  // what was concluded, left out or chosen, for the user to know
 };
 
-// Each: nothing when the folder is not of its format, an error when it is but is broken.
-Result<std::optional<Layout>> find_euroc(const std::string& path);
-Result<std::optional<Layout>> find_kitti_raw(const std::string& path);
-Result<std::optional<Layout>> find_kitti_odometry(const std::string& path);
-Result<std::optional<Layout>> find_two_folders(const std::string& path);
-Result<std::optional<Layout>> find_names_in_one_folder(const std::string& path);
-Result<std::optional<Layout>> find_side_by_side(const std::string& path);  // where the halves are seen to match
-Result<Layout> read_side_by_side(const std::string& path);                 // as the user states
-Result<std::optional<Layout>> find_single_side(const std::string& path);   // only ever an error: the other is missing
+// One file a pair, left half and right half, because the user says so.
+Result<Layout> read_side_by_side(const std::string& path);
 
-// The layouts, in the order in which they are tried. Put the more particular before find_two_folders, which takes
-// nearly anything.
 struct LayoutKind {
   const char* looks_like;  // for the message where none fits
+  // Nothing when the folder is not of this kind, an error when it is but is broken.
   Result<std::optional<Layout>> (*find)(const std::string& path);
 };
+// The layouts, in the order in which they are tried.
 const std::vector<LayoutKind>& layout_kinds();
 
 // The first of them that fits; an error lists what was looked for and what is there. side_by_side: stated by the user.

@@ -176,10 +176,12 @@ TEST(Config, TheLibrariesOwnChecksKnowTheSameRanges) {
     };
     const double step = is_whole(key) ? 1.0 : 1e-6;
     if (key.range.low) {
-      EXPECT_TRUE(refused(*key.range.low - step)) << key.name;
+      EXPECT_TRUE(refused(*key.range.low - step))
+          << key.name << ": its library's check() takes less: add the range there";
     }
     if (key.range.high) {
-      EXPECT_TRUE(refused(*key.range.high + step)) << key.name;
+      EXPECT_TRUE(refused(*key.range.high + step))
+          << key.name << ": its library's check() takes more: add the range there";
     }
   }
 }
