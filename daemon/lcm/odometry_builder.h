@@ -22,9 +22,9 @@ namespace cliquevo::daemon {
 inline constexpr double kLeastNew = 0.1;  // share of a motion's variance, at least, that is not of the image before
 // Noise of the image is taken back but for a small part; that of alignment, which depends on the surfaces, is not. With
 // (expected error / that of alignment)^2 - 1 = x, the lasting part of a motion's own variance is kLasting / (1 + kWhite
-// x^2): all of it on a clean camera, four tenths on a webcam.
-inline constexpr double kWhite = 0.6;
-inline constexpr double kLasting = 1.03;
+// x^2): all of it on a clean camera, half of it on a webcam.
+inline constexpr double kWhite = 0.36;
+inline constexpr double kLasting = 1.02;
 // The same features on the same surfaces, and what is left of the calibration's errors: a share kShared of the variance
 // of each motion's own part is of errors that many motions have in common, and that fade over kSharedMotions of them.
 inline constexpr double kShared = 0.0105;
