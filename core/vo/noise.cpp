@@ -78,7 +78,10 @@ double CameraNoise::shift_news(const Motion& motion) const {
   return motion.free_shift_px * motion.free_shift_px / (sigma * sigma + reading_variance(motion));
 }
 
-double CameraNoise::unsettled() const { return 1.0 + kUnsettled / (1.0 + valid_); }
+double CameraNoise::unsettled() const {
+  const double motions = 1.0 + valid_;
+  return 1.0 + kUnsettled / (motions * motions);
+}
 
 double CameraNoise::row_shift_px(const Frame& frame) const {
   const double excess = std::max(0.0, row_shift_variance_ - kRowNoise * kRowNoise);
