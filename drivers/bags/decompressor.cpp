@@ -114,7 +114,7 @@ std::unique_ptr<Decompressor> make_decompressor(Compression kind) {
 
 bool decompress_block(Compression kind, std::span<const std::uint8_t> in, std::size_t most,
                       std::vector<std::uint8_t>& out) {
-  constexpr std::size_t kStep = 1U << 18U;
+  constexpr std::size_t kAtOnce = 1U << 18U;
   constexpr std::size_t kMost = 1U << 30U;
   most = std::min(most, kMost);
   out.clear();
@@ -122,7 +122,7 @@ bool decompress_block(Compression kind, std::span<const std::uint8_t> in, std::s
   if (stream == nullptr) return false;
   while (out.size() < most) {
     const std::size_t before = out.size();
-    out.resize(std::min(most, before + kStep));
+    out.resize(std::min(most, before + kAtOnce));
     const Decompressor::Step step = stream->step(in, std::span(out).subspan(before));
     out.resize(before + step.given);
     if (step.broken) return false;
