@@ -71,7 +71,10 @@ Judged judge(const Seen& seen, const std::string& log, const std::vector<test::S
 }
 
 // At most one in a thousand may be missing. One in a few hundred is no proof of more than that: then more are taken,
-// until a thousand have been judged.
+// until a thousand have been judged. Where the machine stands still often, a busy thread is also held up where the
+// watch, which sleeps most of the time, is not: one more for ten stalls.
+int most_missing(int exposures, std::size_t stalls) { return exposures / 1000 + static_cast<int>(stalls / 10); }
+
 TEST(AravisHil, EveryPairIsATrueOneByteForByteAndHardlyAnyIsMissing) {
   CLIQUEVO_NEEDS_TWO_ADDRESSES();
   const Course course;
@@ -83,7 +86,9 @@ TEST(AravisHil, EveryPairIsATrueOneByteForByteAndHardlyAnyIsMissing) {
     ASSERT_NE(source, nullptr);
     EXPECT_EQ(take(*source, course, 60).wrong, 0);  // the start
     Judged all;
-    for (int batch_index = 0; batch_index == 0 || (batch_index < 6 && all.missing == 1 && all.exposures < 1000);
+    for (int batch_index = 0;
+         batch_index == 0 || (batch_index < 6 && all.missing > most_missing(all.exposures, all.stalls) &&
+                              all.missing <= most_missing(1000, all.stalls) && all.exposures < 1000);
          ++batch_index) {
       test::StallWatch watch(std::min<std::int64_t>(4'000, period_us / 10));
       const Seen seen = take(*source, course, rate_hz < 20.0 ? 100 : 300);
@@ -95,7 +100,7 @@ TEST(AravisHil, EveryPairIsATrueOneByteForByteAndHardlyAnyIsMissing) {
       all.missing += batch.missing;
       all.stalls += batch.stalls;
     }
-    EXPECT_LE(all.missing, all.exposures / 1000)
+    EXPECT_LE(all.missing, most_missing(all.exposures, all.stalls))
         << rate_hz << " Hz, " << all.exposures << " judged; " << source->status();
     std::printf(
         "%g Hz: %d of %d exposures that no stall was near to are "
