@@ -79,7 +79,7 @@ inline constexpr CheckRow kCheckRows[kChecks] = {
      "`max_running_ground` 4"},
     {Check::found_again, "found_again", "found again", Status::ambiguous, "needed / found",
      "Too few of the features of the frame before were found again.", "was enough of the last view found?",
-     "8 % of the reference's features over those found; 25 % under caution", "1"},
+     "4 % of the references' features over those found; 12.5 % under caution", "1"},
     {Check::rival, "rival", "rival motion", Status::ambiguous, "of a rival",
      "A second motion is as well supported: which of them is the world's?", "is there a second motion as good?",
      "support of another clique's motion over `rival_share` of the first's", "1"},

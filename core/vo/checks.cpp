@@ -19,8 +19,8 @@ constexpr double kMoves = 6.0;                // a camera moves when its image d
 constexpr double kStands = 4.0;               // ... and stands beside it when its own moves so many times less
 constexpr double kRepeats = 100.0;            // ... and for certain where its image is the same to the last bit
 // Share of the reference's features that must be found where a motion has them; after a suspicious frame, more.
-constexpr double kFound = 0.08;
-constexpr double kFoundAgain = 0.25;
+constexpr double kFound = 0.04;
+constexpr double kFoundAgain = 0.125;
 // Depth-less floor of what is known well enough: a standing vehicle's motion is 0, and nothing is a share of that.
 constexpr double kFloorOfDepth = 0.003;  // of the inliers' median distance
 

@@ -21,7 +21,7 @@ struct CheckInput {
   const std::vector<Observation>& observations;  // judged by the solver
   const std::vector<RigidTransform>& T_prev_ref;
   const StereoModel& model;
-  int reference_features = 0;   // that could have been found
+  int reference_features = 0;   // that could have been found, of all references
   double shift_sigma_px = 0.0;  // width of the prior of the frame's common disparity error, as solved with
   double covered = 1.0;         // share of the picture from which inliers come, of what is enough; 0 to 1
   bool camera_repeats = false;  // one image of either frame is the one before, bit for bit
@@ -62,8 +62,9 @@ double spread_ratio(const std::vector<Observation>& observations);
 // How far the inliers' disparities in the current frame are from where the motion puts them, px, RMS.
 double disparity_error_px(const CheckInput& input);
 
-// How unevenly the brightness of the inliers changed since the (first) reference, grey levels: 90th percentile of each
-// one's deviation from the common change. A glow that comes or goes shifts every feature along its gradient.
+// How unevenly the brightness of the inliers changed since the (first) reference, in contrasts of their patches: 90th
+// percentile of each one's deviation from the common change. A glow that comes or goes shifts every feature along its
+// gradient.
 double change_of_light(const std::vector<Observation>& observations, std::vector<float>& scratch);
 
 }  // namespace cliquevo::vo

@@ -272,11 +272,13 @@ ViewErrors Estimator::errors(const FramePair& pair, const Comparison& out) const
 }
 
 CheckInput Estimator::check_input(const FramePair& pair, const Comparison& out) const {
+  std::size_t reference_features = pair.reference.features.size();
+  if (references_.size() > 1) reference_features += pair.key->features.size();
   return {out.motion,
           observations_,
           references_,
           model_,
-          static_cast<int>(pair.reference.features.size()),
+          static_cast<int>(reference_features),
           shift_sigma_px_,
           covered_,
           pair.reference.one_camera_repeats || pair.current.one_camera_repeats,

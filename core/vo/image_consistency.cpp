@@ -2,6 +2,7 @@
 #include "core/vo/image_consistency.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 
@@ -27,8 +28,9 @@ constexpr float kUnlike = 0.5F;  // ... or contradicts
 // A repeated pattern (railings, bricks) is found in several places, in space and in depth: a patch that correlates
 // nearly as well with its own surroundings as with its image in the other camera proves nothing.
 constexpr float kRepeated = 0.9F;
-constexpr double kNearSelf = 0.5;     // of the patch's side: nearer, every patch resembles itself
-constexpr double kRepeatReach = 3.0;  // sides of the patch along the row, where stereo matching looks
+constexpr double kClippedShare = 0.05;  // of a patch's pixels
+constexpr double kNearSelf = 0.5;       // of the patch's side: nearer, every patch resembles itself
+constexpr double kRepeatReach = 3.0;    // sides of the patch along the row, where stereo matching looks
 
 // Gradients around a place, in the direction in which there are fewer.
 int texture_at(ImageView<const std::uint8_t> image, int x, int y) {
@@ -41,6 +43,71 @@ int texture_at(ImageView<const std::uint8_t> image, int x, int y) {
     }
   }
   return std::min(gx, gy);
+}
+
+// Whether a part of the patch there is burnt out or black: what was seen cannot be seen there.
+bool clipped(ImageView<const std::uint8_t> image, int x, int y) {
+  int n = 0;
+  for (int dy = -kTestRadius; dy <= kTestRadius; ++dy) {
+    const std::uint8_t* row = image.row(y + dy) + x;
+    for (int dx = -kTestRadius; dx <= kTestRadius; ++dx) n += row[dx] == 0 || row[dx] == 255 ? 1 : 0;
+  }
+  return n > kClippedShare * (2 * kTestRadius + 1) * (2 * kTestRadius + 1);
+}
+
+// A patch less its mean and its slopes, which are what a glow or a shadow's edge adds.
+class Detail {
+ public:
+  template <class Sample>
+  explicit Detail(Sample&& sample) {
+    double mean = 0.0, along_x = 0.0, along_y = 0.0, squares = 0.0;
+    each([&](int dx, int dy, double& value) {
+      value = sample(dx, dy);
+      mean += value;
+      along_x += value * dx;
+      along_y += value * dy;
+      squares += dx * dx;
+    });
+    mean /= static_cast<double>(values_.size());
+    each([&](int dx, int dy, double& value) { value -= mean + (along_x * dx + along_y * dy) / squares; });
+  }
+  double correlation(const Detail& other) const {
+    double both = 0.0, here = 0.0, there = 0.0;
+    for (std::size_t i = 0; i < values_.size(); ++i) {
+      both += values_[i] * other.values_[i];
+      here += values_[i] * values_[i];
+      there += other.values_[i] * other.values_[i];
+    }
+    return here > 0.0 && there > 0.0 ? both / std::sqrt(here * there) : 0.0;
+  }
+
+ private:
+  template <class F>
+  void each(F&& f) {
+    std::size_t i = 0;
+    for (int dy = -kTestRadius; dy <= kTestRadius; ++dy) {
+      for (int dx = -kTestRadius; dx <= kTestRadius; ++dx) f(dx, dy, values_[i++]);
+    }
+  }
+  static constexpr std::size_t kSide = 2 * kTestRadius + 1;
+  std::array<double, kSide * kSide> values_{};
+};
+
+// Between a feature's patch and the image where it is expected.
+double detail_correlation(ImageView<const std::uint8_t> reference, const Feature& f,
+                          ImageView<const std::uint8_t> image, const SurfacePatch& expected) {
+  const Detail then([&](int dx, int dy) { return static_cast<double>(reference(f.x + dx, f.y + dy)); });
+  const Detail now([&](int dx, int dy) {
+    const double right = dx, down = dy;
+    const double u = expected.u + expected.warp.xx * right + expected.warp.xy * down;
+    const double v = expected.v + expected.warp.yx * right + expected.warp.yy * down;
+    const int x = std::clamp(static_cast<int>(u), 0, image.width - 2);
+    const int y = std::clamp(static_cast<int>(v), 0, image.height - 2);
+    const double fx = u - x, fy = v - y;
+    return (1.0 - fy) * ((1.0 - fx) * image(x, y) + fx * image(x + 1, y)) +
+           fy * ((1.0 - fx) * image(x, y + 1) + fx * image(x + 1, y + 1));
+  });
+  return then.correlation(now);
 }
 
 }  // namespace
@@ -126,6 +193,10 @@ ImageConsistency::Vote ImageConsistency::test_patch(const Feature& f, const Fram
   const PatchFit moved = fit_patch(t, current.left.cview(), static_cast<float>(expected.u),
                                    static_cast<float>(expected.v), expected.warp, SearchAxes::both, patch_);
   if (moved.correlation > kAlike) return Vote::agrees;
+  if (clipped(current.left.cview(), static_cast<int>(std::lround(expected.u)),
+              static_cast<int>(std::lround(expected.v)))) {
+    return Vote::none;
+  }
   // Not found: it counts only where both cameras see it alike.
   Warp to_right;
   to_right.xx = static_cast<float>(1.0 - f.disparity_dx);
@@ -136,6 +207,9 @@ ImageConsistency::Vote ImageConsistency::test_patch(const Feature& f, const Fram
   if (both.correlation < kSeenByBoth) return Vote::none;
   if (moved.correlation > kAlike * both.correlation) return Vote::agrees;
   if (moved.correlation >= kUnlike * both.correlation) return Vote::none;
+  if (detail_correlation(reference.left.cview(), f, current.left.cview(), expected) >= kUnlike * both.correlation) {
+    return Vote::none;
+  }
   if (which == Contradicts::any) return Vote::contradicts;
   const bool unique = !repeated(t, f, reference, kRepeated * both.correlation, expected.u - f.x, expected.v - f.y);
   return unique ? Vote::contradicts : Vote::none;

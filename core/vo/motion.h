@@ -26,7 +26,7 @@ struct Observation {
   int feature = 0;          // caller's index
   float change = 0.0F;      // of the patch since the reference, 1 - correlation; 0 where not tracked
   float difference = 0.0F;  // between the cameras, likewise
-  float brighter = 0.0F;    // than in the reference, grey levels
+  float brighter = 0.0F;    // than in the reference, in contrasts (RMS) of the patch there
   // written by the solver
   bool inlier = true;
   double squared_sigmas = 0.0;  // squared Mahalanobis distance, mean of both ways

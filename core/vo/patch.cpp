@@ -121,7 +121,7 @@ PatchFit fit_patch(const Template& reference, ImageView<const std::uint8_t> imag
     if (!(shift2 <= max_shift2)) return fit;
     fit.residual = std::sqrt(std::max(0.0F, sse) * per_n);
     if (sx * sx + sy * sy < kConverged * kConverged) {
-      fit.brighter = s.w * per_n;
+      fit.brighter = s.w / std::sqrt(tt * n);
       fit.correlation = std::sqrt(std::max(0.0F, 1.0F - sse_there / ww));
       fit.ok = fit.residual <= static_cast<float>(params.max_residual) ||
                fit.correlation >= static_cast<float>(params.min_correlation);

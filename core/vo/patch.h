@@ -33,7 +33,7 @@ struct PatchFit {
   float x = 0.0F;  // where the template's centre is in the image
   float y = 0.0F;
   float residual = 0.0F;     // RMS grey levels
-  float brighter = 0.0F;     // by how many grey levels the image is brighter than the template there
+  float brighter = 0.0F;     // by how many of the template's contrasts (RMS) the image is brighter there
   float correlation = 0.0F;  // of template and image, less their means, where last looked at
 };
 

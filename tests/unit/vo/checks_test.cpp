@@ -210,13 +210,13 @@ TEST(Checks, ACameraThatRepeatsItsLastImageHangs) {
 }
 
 TEST(Checks, AGoodShareOfTheFeaturesMustBeFoundAndMoreUnderCaution) {
-  Seen seen(20);  // of 100
+  Seen seen(10);  // of 100
   EXPECT_FALSE(check_found_again(seen.input(), seen.caution).fails());
   Checks running;
   running[Check::running_ground] = {2.0, 1.0, true};
   seen.caution.learn(running);
   EXPECT_TRUE(check_found_again(seen.input(), seen.caution).fails());
-  Seen few(5);
+  Seen few(3);
   EXPECT_TRUE(check_found_again(few.input(), few.caution).fails());
 }
 
