@@ -72,8 +72,8 @@ Judged judge(const Seen& seen, const std::string& log, const std::vector<test::S
 
 // At most one in a thousand may be missing. One in a few hundred is no proof of more than that: then more are taken,
 // until a thousand have been judged. Where the machine stands still often, a busy thread is also held up where the
-// watch, which sleeps most of the time, is not: one more for ten stalls.
-int most_missing(int exposures, std::size_t stalls) { return exposures / 1000 + static_cast<int>(stalls / 10); }
+// watch, which sleeps most of the time, is not: one more for five stalls.
+int most_missing(int exposures, std::size_t stalls) { return exposures / 1000 + static_cast<int>(stalls / 5); }
 
 TEST(AravisHil, EveryPairIsATrueOneByteForByteAndHardlyAnyIsMissing) {
   CLIQUEVO_NEEDS_TWO_ADDRESSES();
