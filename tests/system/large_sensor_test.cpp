@@ -41,14 +41,15 @@ double number_after(const std::string& text, const std::string& pattern) {
   return std::regex_search(text, found, std::regex(pattern)) ? std::stod(found[1]) : 0.0;
 }
 
-// What the replay says of the end's error, rectified to this scale.
+// What the replay says of the end's error, rectified to this scale. At the native size the simulator's ground has
+// corners in a strip below the horizon alone, which the bound on their spread would refuse.
 std::string drift_at(const std::string& dir, double scale) {
   const std::string config = fmt::format("{}/scale.yaml", dir);
-  std::ofstream(config) << fmt::format("rectify: {{scale: {}}}\n", scale);
+  std::ofstream(config) << fmt::format("rectify: {{scale: {}}}\nodometry: {{min_eigenvalue_ratio: 0.002}}\n", scale);
   const Finished done = run({binary("cliquevo"), "replay", fmt::format("sim:{}60", kCameras), "--config", config});
   EXPECT_EQ(done.exit_code, 0) << done.err;
   std::smatch found;
-  return std::regex_search(done.out, found, std::regex("reference[^\n]*")) ? found.str() : done.out;
+  return std::regex_search(done.out, found, std::regex("against[^\n]*")) ? found.str() : done.out;
 }
 
 TEST(LargeSensor, AMinuteOfFiveMegapixelsAt30HzDropsNothing) {
