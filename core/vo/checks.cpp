@@ -18,7 +18,7 @@ constexpr double kMostRunning_px = 2.0;       // a larger one comes from the cal
 constexpr double kMoves = 6.0;                // a camera moves when its image does by so many expected errors, ...
 constexpr double kStands = 4.0;               // ... and stands beside it when its own moves so many times less
 constexpr double kRepeats = 100.0;            // ... and for certain where its image is the same to the last bit
-// Share of the reference's features that must be found where a motion has them; after a suspicious frame, more.
+// Share of the references' features that must be found where a motion has them; after a suspicious frame, more.
 constexpr double kFound = 0.04;
 constexpr double kFoundAgain = 0.125;
 // Depth-less floor of what is known well enough: a standing vehicle's motion is 0, and nothing is a share of that.

@@ -23,14 +23,14 @@ constexpr double kSameDepth = 0.1;     // share of the disparity, and at least .
 constexpr double kSameDepth_px = 1.5;  // ... this: beyond, something else is seen there
 // Correlations: of the left and the right patch, from which a patch may vote (noise lowers this one as well) ...
 constexpr float kSeenByBoth = 0.7F;
-constexpr float kAlike = 0.7F;   // ... with the patch of the other frame, as a share of that: agrees ...
-constexpr float kUnlike = 0.5F;  // ... or contradicts
+constexpr float kAlike = 0.7F;          // ... with the patch of the other frame, as a share of that: agrees ...
+constexpr float kUnlike = 0.5F;         // ... or contradicts
+constexpr double kClippedShare = 0.05;  // of a patch's pixels at either end of the scale: it is not judged
 // A repeated pattern (railings, bricks) is found in several places, in space and in depth: a patch that correlates
 // nearly as well with its own surroundings as with its image in the other camera proves nothing.
 constexpr float kRepeated = 0.9F;
-constexpr double kClippedShare = 0.05;  // of a patch's pixels
-constexpr double kNearSelf = 0.5;       // of the patch's side: nearer, every patch resembles itself
-constexpr double kRepeatReach = 3.0;    // sides of the patch along the row, where stereo matching looks
+constexpr double kNearSelf = 0.5;     // of the patch's side: nearer, every patch resembles itself
+constexpr double kRepeatReach = 3.0;  // sides of the patch along the row, where stereo matching looks
 
 // Gradients around a place, in the direction in which there are fewer.
 int texture_at(ImageView<const std::uint8_t> image, int x, int y) {

@@ -24,9 +24,9 @@ constexpr double kOverlapVariance = 1.4;
 // Errors that neighbours share (of the calibration, of a surface) do not average out where all inliers come from one
 // part of the picture: the variance grows with the square of what is missing.
 constexpr double kLeastCovered = 0.1;
-// How many of the patches' own contrasts light may change unevenly before it counts. Over 340 hostile frames with a
-// glow, clean cameras and rough: normalised error squared 3 to 4 below three contrasts, 6 to 9 above, with the factor 3
-// to 5.
+// How many of the patches' own contrasts (RMS) light may change unevenly before it counts. Without this factor the mean
+// normalised error squared of hostile frames with a glow, clean cameras and rough, is 3 to 4 below four contrasts and 4
+// to 9 above.
 constexpr double kEvenLight = 6.0;
 constexpr int kPartsAcross = 3;  // of the picture ...
 constexpr int kPartsDown = 6;    // ... finer down, where rows may bend
